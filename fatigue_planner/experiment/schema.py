@@ -1,0 +1,71 @@
+"""The content of an experiment file."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, StringConstraints, model_validator
+
+from fatigue_planner.fatigue.parameters import FatigueSettings
+from fatigue_planner.human.model import Tool, Worker
+from fatigue_planner.motion.settings import Accuracy, Action, Controller, Cycle, Preference
+from fatigue_planner.planners.registry import PolicySettings
+from fatigue_planner.settings import Settings
+
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,39}$")]
+Level = Annotated[float, Field(ge=0, le=1)]
+
+
+class InitialState(Settings):
+    """One state the worker may start in: fatigue by joint, the rest relaxed."""
+
+    probability: float = Field(gt=0, le=1)
+    fatigue: dict[str, Level] = {}
+
+
+class Condition(Settings):
+    """What is varied between runs besides policy and length: knowledge of the start, expertise."""
+
+    initial_belief: Name
+    # beta of Eq. 4; .inf is an expert. NaN fails ge=0.
+    expertise: float = Field(ge=0, allow_inf_nan=True)
+
+
+class Benchmark(Settings):
+    """The grid of runs (paper, section IV-E)."""
+
+    conditions: dict[Name, Condition] = Field(min_length=1)
+    policies: dict[Name, PolicySettings] = Field(min_length=1)
+    n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1)
+    trials: int = Field(ge=1, le=1_000_000)
+    seed: int = Field(ge=0)
+
+
+class Experiment(Settings):
+    """Everything that defines an experiment."""
+
+    name: Name
+    worker: Worker
+    tool: Tool
+    cycle: Cycle
+    actions: dict[Name, Action] = Field(min_length=1)
+    preferences: dict[Name, Preference] = Field(min_length=1)
+    controller: Controller
+    accuracy: Accuracy
+    fatigue: FatigueSettings
+    discount: float = Field(ge=0, le=1)
+    initial_beliefs: dict[Name, tuple[InitialState, ...]] = Field(min_length=1)
+    benchmark: Benchmark
+    significance_level: float = Field(gt=0, lt=1)
+
+    @model_validator(mode="after")
+    def _check_beliefs(self) -> Self:
+        for name, states in self.initial_beliefs.items():
+            total = sum(state.probability for state in states)
+            if abs(total - 1) > 1e-9:
+                raise ValueError(f"initial_beliefs.{name}: probabilities sum to {total:g}, not to 1")
+        for name, condition in self.benchmark.conditions.items():
+            if condition.initial_belief not in self.initial_beliefs:
+                raise ValueError(
+                    f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
+                    f"{', '.join(self.initial_beliefs)}"
+                )
+        return self

@@ -1,0 +1,88 @@
+"""Publishing files whole, and digests of what decides a result."""
+
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from fatigue_planner.errors import OutputFolderError
+
+PACKAGE = Path(__file__).parent
+
+
+def writable_folder(folder: Path) -> Path:
+    """Create `folder` if need be and prove that a file can be written there.
+
+    Raises OutputFolderError, naming the folder and the system's reason, if it cannot.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OutputFolderError(
+            f"{folder}: cannot write there ({error.strerror}). Choose another folder or change its permissions."
+        ) from error
+    return folder
+
+
+def publish(path: Path, write: Callable[[Path], None]) -> None:
+    """Write a file so that it appears under its name whole or not at all.
+
+    `write` receives a temporary path in the same folder (with the same suffix); what it leaves there
+    is flushed to the disk and renamed. Raises OutputFolderError if the folder cannot be written.
+    """
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(temporary)
+        with temporary.open("rb") as handle:
+            os.fsync(handle.fileno())
+        temporary.replace(path)
+        _sync_folder(path.parent)
+    except OSError as error:
+        raise OutputFolderError(f"{path}: cannot be written ({error.strerror or error}).") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _sync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def publish_text(path: Path, text: str) -> None:
+    """Publish a UTF-8 text file (see `publish`)."""
+    publish(path, lambda temporary: temporary.write_text(text, encoding="utf-8", newline="\n"))
+
+
+def canonical_json(value: Any) -> str:
+    """The one JSON text of a value: sorted keys, no blanks, shortest round-trip floats."""
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+
+
+def digest_of(value: Any) -> str:
+    """SHA-256, in hex, of a JSON-like value."""
+    return hashlib.sha256(canonical_json(value).encode()).hexdigest()
+
+
+def digest_of_files(paths: Iterable[Path]) -> str:
+    """SHA-256, in hex, of the names and bytes of files, in the order of their names."""
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+@cache
+def digest_of_package(*folders: str) -> str:
+    """SHA-256, in hex, of the source and data files of sub-packages of fatigue_planner."""
+    files = [path for folder in folders for path in (PACKAGE / folder).rglob("*") if path.suffix in {".py", ".yaml"}]
+    return digest_of_files(files)

@@ -1,0 +1,135 @@
+"""The digital human as a Pinocchio model, standing on the ground."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from pydantic import Field
+
+from fatigue_planner.human.anthropometry import Anthropometry, Sex
+from fatigue_planner.human.joint_data import position_limits, posture
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
+from fatigue_planner.settings import Settings
+
+Vector = NDArray[np.float64]
+
+GRAVITY_MPS2 = 9.81  # standard acceleration of free fall, rounded
+BASE_DOF = 6
+FEET = ("right_foot", "left_foot")
+
+_JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.JointModelRZ}
+_UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
+
+
+class Worker(Settings):
+    """A worker as an experiment describes him or her."""
+
+    height_m: float = Field(ge=1.4, le=2.1)
+    mass_kg: float = Field(ge=40, le=150)
+    sex: Sex
+    strength: str
+    natural_posture_deg: dict[str, float]
+
+
+class Tool(Settings):
+    """A hand tool: a point mass at the centre of the right fist."""
+
+    mass_kg: float = Field(ge=0, le=30)
+    held: Literal["cycle", "work"] = "cycle"
+
+
+@dataclass(frozen=True)
+class Human:
+    """A Pinocchio model of a worker and what the controller needs to know of it.
+
+    Joint vectors hold the 39 degrees of freedom in the order of `skeleton.DEGREES_OF_FREEDOM`;
+    configurations (46,) put position and quaternion (x, y, z, w) of the pelvis before them,
+    velocities (45,) the pelvis' twist in its own frame. The world's origin is on the ground, at the
+    centre between the two soles. Frames: one per body, named after it, `<side>_grip` at the centre of
+    each fist and `<side>_sole` at the centre of each sole.
+    """
+
+    model: pin.Model
+    anthropometry: Anthropometry
+    stance: Vector
+    sole_half_length_m: float
+    sole_half_breadth_m: float
+
+    @property
+    def mass_kg(self) -> float:
+        """Total mass, tool included."""
+        return float(pin.computeTotalMass(self.model))
+
+
+def _joint_model(axis: Axis) -> pin.JointModel:
+    if axis in _JOINT_MODELS:
+        return _JOINT_MODELS[axis]()
+    return pin.JointModelRevoluteUnaligned(-_UNIT[axis[1]])
+
+
+def _tree(body: Anthropometry) -> pin.Model:
+    model = pin.Model()
+    model.name = "human"
+    model.gravity.linear = np.array([0.0, 0.0, -GRAVITY_MPS2])
+    joint_of = {ROOT_BODY: model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")}
+    for joint in JOINTS:
+        placement = pin.SE3(np.eye(3), body.joint_centre(joint.name))
+        parent = joint_of[joint.parent]
+        for dof in joint.degrees_of_freedom:
+            parent = model.addJoint(parent, _joint_model(dof.axis), placement, dof.name)
+            placement = pin.SE3.Identity()
+        joint_of[joint.child] = parent
+    for name in BODIES:
+        segment = body.segment(name)
+        inertia = pin.Inertia(segment.mass_kg, segment.com_m, np.diag(segment.inertia_kgm2))
+        model.appendBodyToJoint(joint_of[name], inertia, pin.SE3.Identity())
+        _add_frame(model, name, joint_of[name], np.zeros(3))
+    heel, toe, _, height = body.sole_rectangle()
+    for side in ("right", "left"):
+        _add_frame(model, f"{side}_grip", joint_of[f"{side}_hand"], body.grip_m())
+        _add_frame(model, f"{side}_sole", joint_of[f"{side}_foot"], np.array([(heel + toe) / 2, 0.0, height]))
+    lower, upper = position_limits()
+    model.lowerPositionLimit[7:] = lower
+    model.upperPositionLimit[7:] = upper
+    return model
+
+
+def _add_frame(model: pin.Model, name: str, joint: int, offset_m: Vector) -> None:
+    model.addFrame(pin.Frame(name, joint, pin.SE3(np.eye(3), offset_m), pin.FrameType.OP_FRAME))
+
+
+def stand(model: pin.Model, joint_angles: Vector) -> Vector:
+    """The configuration (46,) with these joint angles whose soles rest on the ground about the origin.
+
+    The right sole lies flat; the midpoint of both soles is the world's origin, x forward.
+    """
+    data = model.createData()
+    configuration = np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joint_angles])
+    pin.framesForwardKinematics(model, data, configuration)
+    right = data.oMf[model.getFrameId("right_sole")]
+    left = data.oMf[model.getFrameId("left_sole")]
+    middle = pin.SE3(right.rotation, (right.translation + left.translation) / 2)
+    configuration[:7] = pin.SE3ToXYZQUAT(middle.inverse())
+    return configuration
+
+
+def build_human(worker: Worker, tool_mass_kg: float = 0.0) -> Human:
+    """The digital human of a worker, with a tool (a point mass) in the right fist.
+
+    Raises DataFileError if the natural posture names an unknown degree of freedom or leaves a range
+    of motion.
+    """
+    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    model = _tree(body)
+    if tool_mass_kg > 0:
+        grip = model.frames[model.getFrameId("right_grip")]
+        model.appendBodyToJoint(grip.parentJoint, pin.Inertia(tool_mass_kg, np.zeros(3), np.zeros((3, 3))), grip.placement)
+    heel, toe, half_breadth, _ = body.sole_rectangle()
+    return Human(model, body, stand(model, posture(worker.natural_posture_deg)), (toe - heel) / 2, half_breadth)
+
+
+def joint_index(name: str) -> int:
+    """Place of a degree of freedom in a joint vector."""
+    return DEGREES_OF_FREEDOM.index(name)

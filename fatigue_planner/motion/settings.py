@@ -1,0 +1,117 @@
+"""What an experiment says of a motion: phases, tasks, gains and limits of the controller."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from fatigue_planner.settings import Settings
+
+Positive = Annotated[float, Field(gt=0)]
+NonNegative = Annotated[float, Field(ge=0)]
+
+Segment = Literal[
+    "pelvis", "abdomen", "thorax", "neck", "head",
+    "right_upper_arm", "left_upper_arm", "right_forearm", "left_forearm", "right_thigh", "left_thigh",
+    "right_shank", "left_shank",
+]  # fmt: skip
+
+
+class Cycle(Settings):
+    """The phases of one cycle (paper, section IV-A: reach, work, return; 16 s in all)."""
+
+    reach_s: Positive
+    work_s: Positive
+    return_s: Positive
+
+    @property
+    def duration_s(self) -> float:
+        """Length of one cycle."""
+        return self.reach_s + self.work_s + self.return_s
+
+
+class Position(Settings):
+    """A point in the world: x forward, y left, z up from the centre between the soles, in m."""
+
+    x: float = Field(ge=-3, le=3)
+    y: float = Field(ge=-3, le=3)
+    z: float = Field(ge=0, le=3)
+
+
+class Orientation(Settings):
+    """An orientation as rotations in degrees about the world's x, then y, then z axis.
+
+    Zero is the hand of an arm hanging along the body: fingers down, palm inward, thumb forward.
+    """
+
+    x: float = Field(default=0, ge=-180, le=180)
+    y: float = Field(default=0, ge=-180, le=180)
+    z: float = Field(default=0, ge=-180, le=180)
+
+
+class Action(Settings):
+    """Where the robot presents the object: the pose the right fist has to take."""
+
+    position_m: Position
+    orientation_deg: Orientation
+
+
+class SegmentUpright(Settings):
+    """Keep the long axis of a body segment vertical."""
+
+    kind: Literal["segment_upright"]
+    segment: Segment
+    weight: Positive
+
+
+class Preference(Settings):
+    """A motion preference: tasks added to those every motion has."""
+
+    tasks: tuple[SegmentUpright, ...]
+
+
+class Weights(Settings):
+    """Weights of the tasks in the sum of squared acceleration errors (paper, section IV-C)."""
+
+    centre_of_mass: Positive
+    hand: Positive
+    posture: Positive
+
+
+class Stiffnesses(Settings):
+    """Proportional gains in 1/s^2; the derivative gain is always critical, 2 sqrt(stiffness)."""
+
+    centre_of_mass: Positive
+    hand: Positive
+    segment: Positive
+    posture: Positive
+    contact: Positive
+
+
+class Regularisation(Settings):
+    """Weights that make the solution unique where no task does (closed chain of both legs)."""
+
+    relative_torque: Positive
+    relative_wrench: Positive
+
+
+class Controller(Settings):
+    """Settings of the whole-body quadratic program."""
+
+    time_step_s: float = Field(gt=0, le=0.02)
+    solver: Literal["daqp", "qpoases"]
+    weights: Weights
+    stiffness_per_s2: Stiffnesses
+    regularisation: Regularisation
+    friction_coefficient: float = Field(gt=0, le=2)
+    torque_limit_factor: Positive
+    velocity_limit_radps: Positive
+    acceleration_limit_radps2: Positive
+
+
+class Accuracy(Settings):
+    """What a motion must fulfil to be used."""
+
+    hand_error_m: Positive
+    equation_of_motion_nm: Positive
+    limit_violation: Positive
+    foot_displacement_m: Positive
