@@ -30,7 +30,7 @@ def writable_folder(folder: Path) -> Path:
     return folder
 
 
-def publish(path: Path, write: Callable[[Path], None]) -> None:
+def publish(path: Path, write: Callable[[Path], object]) -> None:
     """Write a file so that it appears under its name whole or not at all.
 
     `write` receives a temporary path in the same folder (with the same suffix); what it leaves there

@@ -56,10 +56,13 @@ def _check_meaning(experiment: Experiment) -> None:
 def _longest_reach_m(experiment: Experiment) -> float:
     """No posture reaches farther from the centre of the feet: the stretched chain from sole to fist."""
     body = Anthropometry(experiment.worker.height_m, experiment.worker.mass_kg, experiment.worker.sex)
-    chain = ["right_ankle", "right_knee", "right_hip", "lumbar", "thoracic", "right_shoulder", "right_elbow", "right_wrist"]
+    arm = ["right_shoulder", "right_elbow", "right_wrist"]
+    links = [
+        body.joint_centre(joint) for joint in ["right_knee", "right_ankle", "right_hip", "lumbar", "thoracic", *arm]
+    ]
     heel, toe, _, height = body.sole_rectangle()
-    sole = np.hypot((heel + toe) / 2, height) + body.length("hip_half_width")
-    return float(sole + sum(np.linalg.norm(body.joint_centre(joint)) for joint in chain) + np.linalg.norm(body.grip_m()))
+    feet = np.array([(heel + toe) / 2, body.length("hip_half_width"), height])
+    return float(sum(np.linalg.norm(link) for link in [feet, *links, body.grip_m()]))
 
 
 def _describe(fault: ErrorDetails) -> str:

@@ -18,7 +18,7 @@ class InitialState(Settings):
     """One state the worker may start in: fatigue by joint, the rest relaxed."""
 
     probability: float = Field(gt=0, le=1)
-    fatigue: dict[str, Level] = {}
+    fatigue: dict[str, Level] = Field(default_factory=dict)
 
 
 class Condition(Settings):
@@ -55,9 +55,11 @@ class Experiment(Settings):
     initial_beliefs: dict[Name, tuple[InitialState, ...]] = Field(min_length=1)
     benchmark: Benchmark
     significance_level: float = Field(gt=0, lt=1)
+    # Figures of the returns: name -> conditions, one row of panels each.
+    figures: dict[Name, tuple[Name, ...]]
 
     @model_validator(mode="after")
-    def _check_beliefs(self) -> Self:
+    def _check_names(self) -> Self:
         for name, states in self.initial_beliefs.items():
             total = sum(state.probability for state in states)
             if abs(total - 1) > 1e-9:
@@ -67,5 +69,12 @@ class Experiment(Settings):
                 raise ValueError(
                     f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
                     f"{', '.join(self.initial_beliefs)}"
+                )
+        for name, conditions in self.figures.items():
+            unknown = [condition for condition in conditions if condition not in self.benchmark.conditions]
+            if unknown or not conditions:
+                raise ValueError(
+                    f"figures.{name}: {', '.join(unknown) or 'no condition'}; known conditions: "
+                    f"{', '.join(self.benchmark.conditions)}"
                 )
         return self

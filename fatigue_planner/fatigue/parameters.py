@@ -63,5 +63,5 @@ def fatigue_state(levels: dict[str, float]) -> Vector:
 
 
 def _names_of(entry: str) -> set[str]:
-    freedom = entry.split(":")[0]
+    freedom = entry.split(":", maxsplit=1)[0]
     return {entry, freedom, without_side(entry), without_side(freedom)}

@@ -97,7 +97,7 @@ class Anthropometry:
 
     def joint_centre(self, joint: str) -> Vector:
         """Centre of a compound joint in its parent body's frame at the anatomical zero, (3,) m."""
-        side = {"right": -1.0, "left": 1.0}.get(joint.split("_")[0], 0.0)
+        side = {"right": -1.0, "left": 1.0}.get(joint.split("_", maxsplit=1)[0], 0.0)
         thorax_height = self._hip_height() + self.length("lumbar_above_hip") + self.length("thoracic_above_lumbar")
         centre = {
             "lumbar": (0, 0, self.length("lumbar_above_hip")),
@@ -180,7 +180,8 @@ class Anthropometry:
         """Height of a trunk body's centre of mass, by de Leva's landmarks stacked on the mid-hip."""
         reference = segment_table().reference_stature_m[self.sex]
         scaled = {
-            name: rows[self.sex].length_m / reference * self.stature_m for name, rows in segment_table().segments.items()
+            name: rows[self.sex].length_m / reference * self.stature_m
+            for name, rows in segment_table().segments.items()
         }
         omphalion = self._hip_height() + scaled["lower_trunk"]
         xiphion = omphalion + scaled["mid_trunk"]

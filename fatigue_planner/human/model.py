@@ -125,7 +125,9 @@ def build_human(worker: Worker, tool_mass_kg: float = 0.0) -> Human:
     model = _tree(body)
     if tool_mass_kg > 0:
         grip = model.frames[model.getFrameId("right_grip")]
-        model.appendBodyToJoint(grip.parentJoint, pin.Inertia(tool_mass_kg, np.zeros(3), np.zeros((3, 3))), grip.placement)
+        model.appendBodyToJoint(
+            grip.parentJoint, pin.Inertia(tool_mass_kg, np.zeros(3), np.zeros((3, 3))), grip.placement
+        )
     heel, toe, half_breadth, _ = body.sole_rectangle()
     return Human(model, body, stand(model, posture(worker.natural_posture_deg)), (toe - heel) / 2, half_breadth)
 

@@ -44,8 +44,5 @@ class SoleContact:
 
     def required_acceleration(self, state: BodyState) -> Vector:
         """Right-hand side of J a = ... (6,) that keeps (and returns) the sole in place."""
-        return (
-            -self.stiffness * self.displacement(state)
-            - self.damping * state.local_twist(self.frame)
-            - state.local_drift(self.frame)
-        )
+        feedback = self.stiffness * self.displacement(state) + self.damping * state.local_twist(self.frame)
+        return np.asarray(-feedback - state.local_drift(self.frame))

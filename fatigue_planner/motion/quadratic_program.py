@@ -1,5 +1,7 @@
 """A convex quadratic program of fixed size, solved again and again without copying."""
 
+from typing import Any
+
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +21,7 @@ class QuadraticProgram:
     def __init__(self, variables: int, rows: int, solver: str) -> None:
         self.solver = solver
         structure = {"h": ca.Sparsity.dense(variables, variables), "a": ca.Sparsity.dense(rows, variables)}
-        options: dict[str, object] = {"error_on_fail": False}
+        options: dict[str, Any] = {"error_on_fail": False}
         if solver == "qpoases":
             options |= {"printLevel": "none", "sparse": False}
         self._function = ca.conic("whole_body", solver, structure, options)
@@ -29,12 +31,12 @@ class QuadraticProgram:
             name = self._function.name_in(i)
             arrays[name] = np.zeros(self._function.nnz_in(i))
             if arrays[name].size:
-                self._buffer.set_arg(i, memoryview(arrays[name]))  # type: ignore[arg-type]
+                self._buffer.set_arg(i, memoryview(arrays[name]))  # type: ignore[call-arg, arg-type]
         for i in range(self._function.n_out()):
             name = "out_" + self._function.name_out(i)
             arrays[name] = np.zeros(self._function.nnz_out(i))
             if arrays[name].size:
-                self._buffer.set_res(i, memoryview(arrays[name]))  # type: ignore[arg-type]
+                self._buffer.set_res(i, memoryview(arrays[name]))  # type: ignore[call-arg, arg-type]
         self._arrays = arrays
         self.H: Matrix = arrays["h"].reshape(variables, variables).T
         self.A: Matrix = arrays["a"].reshape(variables, rows).T

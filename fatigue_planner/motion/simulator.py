@@ -150,7 +150,11 @@ def simulate(request: MotionRequest) -> Motion:
                 )
             acceleration, wrench, torque = result
             record["configuration"][tick], record["velocity"][tick] = configuration, velocity
-            record["acceleration"][tick], record["torque_nm"][tick], record["wrench"][tick] = acceleration, torque, wrench
+            record["acceleration"][tick], record["torque_nm"][tick], record["wrench"][tick] = (
+                acceleration,
+                torque,
+                wrench,
+            )
             hand_error[tick] = np.linalg.norm(body.fist().position_m - body.hand.reference.pose.position_m)
             record["foot_displacement_m"][tick] = [
                 np.linalg.norm(contact.displacement(body.state)[:3]) for contact in body.controller.contacts

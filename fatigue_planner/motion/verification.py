@@ -61,7 +61,9 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     residual = np.concatenate(
         [_residuals(bodies[phase.name], motion, range(phase.start, phase.stop)) for phase in motion.phases]
     )
-    positive, negative = (request.controller.torque_limit_factor * torque for torque in maximum_torques(request.worker.strength))
+    positive, negative = (
+        request.controller.torque_limit_factor * torque for torque in maximum_torques(request.worker.strength)
+    )
     joints, speeds = motion.configuration[:, 7:], motion.velocity[:, BASE_DOF:]
     model = with_tool.model
     forces = motion.wrench.reshape(-1, 6)

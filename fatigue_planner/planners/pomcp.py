@@ -3,7 +3,7 @@
 import numpy as np
 
 from fatigue_planner.planners.policy import Decision, Policy
-from fatigue_planner.planners.search import SearchModel, Tree, search
+from fatigue_planner.planners.search import Tree, padded, search, search_model
 from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.pomdp.model import FatiguePomdp
 
@@ -16,15 +16,13 @@ class PomcpPolicy(Policy):
         self.descents = descents
         self.exploration_constant = exploration_constant
         self.maximise = maximise
-        self._search_model = SearchModel(
-            model.gain, model.offset, model.observation, float(model.expertise), model.discount, 1 / model.entries
-        )
+        self._search_model = search_model(model)
 
     def tree(self, belief: Belief, rng: np.random.Generator) -> Tree:
         """The search tree grown from a belief."""
         return search(
             self._search_model,
-            belief.states,
+            padded(belief.states),
             belief.weights,
             self.descents,
             self.exploration_constant,

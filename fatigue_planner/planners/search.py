@@ -5,8 +5,8 @@ is the belief searched from. Per node h and action a (a chance node):
     child[h, a, o]  the node of history (h, a, o), or -1
     tried[h, a]     how often a was chosen in h
     value[h, a]     estimated return of choosing a in h
-    reward[h, a]    mean immediate reward of a in h
-    visited[h]      how often h was reached
+    mean_reward[h, a]  mean immediate reward of a in h
+    visited[h]      how often h was reached, its creation included; actions were tried visited - 1 times
 """
 
 from typing import NamedTuple
@@ -15,24 +15,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import compiled
-from fatigue_planner.pomdp.preference_choice import preference_probabilities
+from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.pomdp.preference_choice import normalise_choice
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 UNVISITED = -1
+# Entries are summed in this many independent sums, which the compiler turns into vector instructions;
+# one running sum would wait for itself at every entry.
+LANES = 4
 
 
 class SearchModel(NamedTuple):
-    """The part of a FatiguePomdp that the search reads."""
+    """The part of a FatiguePomdp that the search reads.
+
+    gain, offset (A * U, L): row a * U + u is the map of action a and preference u; `sharp` says that
+    the observation always is the preference.
+    """
 
     gain: Array
     offset: Array
     observation: Array
+    sharp: bool
     expertise: float
     discount: float
     cost_scale: float
+
+
+def search_model(model: FatiguePomdp) -> SearchModel:
+    """The search's view of a POMDP."""
+    return SearchModel(
+        padded(model.gain.reshape(-1, model.live.size)),
+        padded(model.offset.reshape(-1, model.live.size)),
+        model.observation,
+        bool((model.observation == np.eye(*model.observation.shape)).all()),
+        float(model.expertise),
+        float(model.discount),
+        1 / model.entries,
+    )
+
+
+def padded(rows: Array) -> Array:
+    """Rows (n, L) with their live entries padded with zeros to a multiple of LANES."""
+    return np.pad(rows, [(0, 0), (0, -rows.shape[1] % LANES)])
 
 
 class Tree(NamedTuple):
@@ -41,7 +68,7 @@ class Tree(NamedTuple):
     child: Counts
     tried: Counts
     value: Array
-    reward: Array
+    mean_reward: Array
     visited: Counts
 
 
@@ -57,96 +84,86 @@ def draw(probabilities: Vector, rng: np.random.Generator) -> int:
 
 
 @compiled
-def transition(
-    model: SearchModel, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
-) -> tuple[int, float]:
-    """Generative model (paper, Fig. 4): move `state` (L,) in place; observation and reward.
-
-    `scratch` (U,) is overwritten.
-    """
-    gain, offset = model.gain[action], model.offset[action]
-    preferences, live = gain.shape
-    if model.expertise == 0:
-        preference = int(rng.random() * preferences)
-    else:
-        for u in range(preferences):
-            total = 0.0
-            for j in range(live):
-                fatigue = gain[u, j] * state[j] + offset[u, j]
-                total += fatigue * fatigue
-            scratch[u] = total * model.cost_scale
-        preference = draw(preference_probabilities(scratch, model.expertise), rng)
-    total = 0.0
-    for j in range(live):
-        fatigue = gain[preference, j] * state[j] + offset[preference, j]
-        state[j] = fatigue
-        total += fatigue * fatigue
-    if model.observation[preference, preference] == 1:
-        observation = preference
-    else:
-        observation = draw(model.observation[preference], rng)
-    return observation, -total * model.cost_scale
+def sum_of_squares_after(gain: Array, offset: Array, row: int, state: Vector) -> float:
+    """Sum of the squares of gain * state + offset; rows of (n, L), L a multiple of LANES."""
+    s0 = s1 = s2 = s3 = 0.0
+    for j in range(0, state.size, LANES):
+        f0 = gain[row, j] * state[j] + offset[row, j]
+        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
+        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
+        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
+        s0 += f0 * f0
+        s1 += f1 * f1
+        s2 += f2 * f2
+        s3 += f3 * f3
+    return (s0 + s1) + (s2 + s3)
 
 
 @compiled
-def select_action(tree: Tree, node: int, exploration_constant: float) -> int:
+def advance(gain: Array, offset: Array, row: int, state: Vector) -> float:
+    """state := gain * state + offset in place; the sum of the squares of the new state."""
+    s0 = s1 = s2 = s3 = 0.0
+    for j in range(0, state.size, LANES):
+        f0 = gain[row, j] * state[j] + offset[row, j]
+        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
+        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
+        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
+        state[j], state[j + 1], state[j + 2], state[j + 3] = f0, f1, f2, f3
+        s0 += f0 * f0
+        s1 += f1 * f1
+        s2 += f2 * f2
+        s3 += f3 * f3
+    return (s0 + s1) + (s2 + s3)
+
+
+@compiled
+def sample_preference(
+    gain: Array,
+    offset: Array,
+    first_row: int,
+    state: Vector,
+    expertise: float,
+    cost_scale: float,
+    scratch: Vector,
+    rng: np.random.Generator,
+) -> int:
+    """A preference with the probabilities of Eq. 4; `scratch` (U,) is overwritten.
+
+    Rows first_row ... first_row + U - 1 hold the maps of the action's reactions.
+    """
+    if expertise == 0:
+        return int(rng.random() * scratch.size)
+    for u in range(scratch.size):
+        scratch[u] = cost_scale * sum_of_squares_after(gain, offset, first_row + u, state)
+    normalise_choice(scratch, expertise)
+    return draw(scratch, rng)
+
+
+@compiled
+def select_action(tried: Counts, value: Array, node: int, times: int, exploration_constant: float) -> int:
     """UCB1: the first action not tried yet, else argmax value + c sqrt(log N(h) / N(h, a)).
 
     Equal scores go to the first action, so a problem without chance has one search tree.
     """
-    actions = tree.tried.shape[1]
-    times = 0
-    for action in range(actions):
-        if tree.tried[node, action] == 0:
-            return action
-        times += tree.tried[node, action]
     log_times = np.log(times)
     best, best_score = 0, -np.inf
-    for action in range(actions):
-        score = tree.value[node, action] + exploration_constant * np.sqrt(log_times / tree.tried[node, action])
+    for action in range(tried.shape[1]):
+        if tried[node, action] == 0:
+            return action
+        score = value[node, action] + exploration_constant * np.sqrt(log_times / tried[node, action])
         if score > best_score:
             best, best_score = action, score
     return best
 
 
 @compiled
-def node_value(tree: Tree, node: int) -> float:
+def best_value(tried: Counts, value: Array, node: int) -> float:
     """MaxUCT's value of a decision node: the best action tried; 0 for a leaf, where a descent ends."""
     best = -np.inf
-    for action in range(tree.tried.shape[1]):
-        if tree.tried[node, action] > 0 and tree.value[node, action] > best:
-            best = tree.value[node, action]
+    for action in range(tried.shape[1]):
+        if tried[node, action] > 0 and value[node, action] > best:
+            best = value[node, action]
     return 0.0 if best == -np.inf else best
-
-
-@compiled
-def back_up_mean(tree: Tree, nodes: Counts, actions: Counts, rewards: Vector, depth: int, discount: float) -> None:
-    """POMCP: fold the discounted return of the descent into the mean of every chance node it passed."""
-    total = 0.0
-    for level in range(depth - 1, -1, -1):
-        node, action = nodes[level], actions[level]
-        total = rewards[level] + discount * total
-        tree.tried[node, action] += 1
-        tree.value[node, action] += (total - tree.value[node, action]) / tree.tried[node, action]
-
-
-@compiled
-def back_up_max(tree: Tree, nodes: Counts, actions: Counts, rewards: Vector, depth: int, discount: float) -> None:
-    """POMCP-Max (MaxUCT, Keller & Helmert 2013), from the leaf to the root.
-
-    Q(h, a) = mean reward + gamma * average of the successors' current values, weighted by visits;
-    V(h) = max over the actions tried of Q(h, a).
-    """
-    for level in range(depth - 1, -1, -1):
-        node, action = nodes[level], actions[level]
-        tree.tried[node, action] += 1
-        tree.reward[node, action] += (rewards[level] - tree.reward[node, action]) / tree.tried[node, action]
-        future = 0.0
-        for observation in range(tree.child.shape[2]):
-            successor = tree.child[node, action, observation]
-            if successor != UNVISITED:
-                future += tree.visited[successor] * node_value(tree, successor)
-        tree.value[node, action] = tree.reward[node, action] + discount * future / tree.tried[node, action]
 
 
 @compiled
@@ -161,43 +178,58 @@ def search(
 ) -> Tree:
     """Grow a tree from a belief (states (n, L), weights (n,)) by a number of descents.
 
-    A descent samples a state, follows UCB1 and the generative model through the tree, and stops at
-    the leaf it adds (paper, section III-D); its rewards are backed up by their mean (POMCP) or, with
-    `maximise`, as MaxUCT (POMCP-Max).
+    A descent samples a state, follows UCB1 and the generative model (paper, Fig. 4) through the tree,
+    and stops at the leaf it adds (paper, section III-D). Going back up, POMCP folds the descent's
+    discounted return into the mean of every chance node it passed. POMCP-Max (`maximise`; MaxUCT,
+    Keller & Helmert 2013) sets
+        Q(h, a) = mean reward + gamma * mean over the visits of the successors' current V,
+        V(h) = max over the actions tried of Q(h, a).
     """
-    actions, preferences, live = model.gain.shape
-    observations = model.observation.shape[1]
+    gain, offset, observe, sharp = model.gain, model.offset, model.observation, model.sharp
+    expertise, discount, cost_scale = model.expertise, model.discount, model.cost_scale
+    preferences, observations = observe.shape
+    actions = gain.shape[0] // preferences
     size = descents + 1
-    tree = Tree(
-        np.full((size, actions, observations), UNVISITED),
-        np.zeros((size, actions), np.int64),
-        np.zeros((size, actions)),
-        np.zeros((size, actions)),
-        np.zeros(size, np.int64),
-    )
-    used = 1
-    state, scratch = np.empty(live), np.empty(preferences)
+    child = np.full((size, actions, observations), UNVISITED)
+    tried, visited = np.zeros((size, actions), np.int64), np.zeros(size, np.int64)
+    value, mean_reward = np.zeros((size, actions)), np.zeros((size, actions))
+    visited[0] = used = 1
+    state, scratch = np.empty(gain.shape[1]), np.empty(preferences)
     nodes, taken, rewards = np.empty(size, np.int64), np.empty(size, np.int64), np.empty(size)
     for _ in range(descents):
-        state[:] = states[draw(weights, rng)] if weights.size > 1 else states[0]
+        particle = draw(weights, rng) if weights.size > 1 else 0
+        for j in range(state.size):
+            state[j] = states[particle, j]
         node = 0
         depth = 0
-        tree.visited[0] += 1
         while node != UNVISITED:
-            action = select_action(tree, node, exploration_constant)
-            observation, reward = transition(model, state, action, scratch, rng)
-            nodes[depth], taken[depth], rewards[depth] = node, action, reward
+            action = select_action(tried, value, node, visited[node] - 1, exploration_constant)
+            visited[node] += 1
+            first = action * preferences
+            preference = sample_preference(gain, offset, first, state, expertise, cost_scale, scratch, rng)
+            rewards[depth] = -cost_scale * advance(gain, offset, first + preference, state)
+            observation = preference if sharp else draw(observe[preference], rng)
+            nodes[depth], taken[depth] = node, action
             depth += 1
-            successor = tree.child[node, action, observation]
+            successor = child[node, action, observation]
             if successor == UNVISITED:
-                tree.child[node, action, observation] = used
-                tree.visited[used] = 1
+                child[node, action, observation] = used
+                visited[used] = 1
                 used += 1
-            else:
-                tree.visited[successor] += 1
             node = successor
-        if maximise:
-            back_up_max(tree, nodes, taken, rewards, depth, model.discount)
-        else:
-            back_up_mean(tree, nodes, taken, rewards, depth, model.discount)
-    return tree
+        total = 0.0
+        for level in range(depth - 1, -1, -1):
+            node, action = nodes[level], taken[level]
+            tried[node, action] += 1
+            if maximise:
+                mean_reward[node, action] += (rewards[level] - mean_reward[node, action]) / tried[node, action]
+                future = 0.0
+                for observation in range(observations):
+                    successor = child[node, action, observation]
+                    if successor != UNVISITED:
+                        future += visited[successor] * best_value(tried, value, successor)
+                value[node, action] = mean_reward[node, action] + discount * future / tried[node, action]
+            else:
+                total = rewards[level] + discount * total
+                value[node, action] += (total - value[node, action]) / tried[node, action]
+    return Tree(child, tried, value, mean_reward, visited)

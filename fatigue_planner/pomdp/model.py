@@ -34,7 +34,7 @@ class FatiguePomdp:
 
     def next_fatigue(self, fatigue: Vector, action: int) -> Array:
         """Live fatigue (U, L) after the action, one row per preference."""
-        return self.gain[action] * fatigue + self.offset[action]
+        return np.asarray(self.gain[action] * fatigue + self.offset[action])
 
     def cost(self, fatigue: Array) -> Array:
         """Eq. 5: C(f) = sum over the 2N entries of f^2 / 2N, over the last axis."""

@@ -4,16 +4,15 @@ A finished library is `<experiment>-<digest>.h5`; what an unfinished run has sim
 `partial/`, one library of one reaction each, and is taken from there by the next run.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 
 from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError
 from fatigue_planner.files import writable_folder
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
+from fatigue_planner.parallel import run_parallel
 from fatigue_planner.reactions.library import library_digest, read_library, write_library
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
@@ -84,7 +83,7 @@ class ReactionCache:
                 progress(outcomes[str(request.name)])
             else:
                 missing.append(request)
-        for outcome in _simulate_all(missing, jobs):
+        for _, outcome in run_parallel(simulate_reaction, missing, jobs):
             outcomes[str(outcome.name)] = outcome
             if outcome.reaction is not None:
                 write_library(self._partial(outcome.digest), [outcome.reaction])
@@ -116,19 +115,6 @@ class ReactionCache:
                 path.replace(aside)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
         return found
-
-
-def _simulate_all(requests: Sequence[ReactionRequest], jobs: int) -> Iterator[Outcome]:
-    if not requests:
-        return
-    with ProcessPoolExecutor(min(jobs, len(requests)), mp_context=get_context("spawn")) as pool:
-        futures: list[Future[Outcome]] = [pool.submit(simulate_reaction, request) for request in requests]
-        try:
-            for future in as_completed(futures):
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 def simulate_reaction(request: ReactionRequest) -> Outcome:

@@ -1,0 +1,74 @@
+"""The cells of a benchmark and the selection a command makes of them."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from fatigue_planner.errors import SelectionError
+from fatigue_planner.files import digest_of, digest_of_package
+from fatigue_planner.planners.registry import PolicySettings, build_policy
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp
+
+T = TypeVar("T")
+
+# What produces the numbers of a trial besides its settings and reactions.
+SOURCES = ("fatigue", "pomdp", "planners", "benchmark")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One policy in one condition for one number of cycles."""
+
+    condition: str
+    n_cycles: int
+    policy: str
+    settings: PolicySettings
+    model: FatiguePomdp
+    initial: Belief
+    seed: int
+    trials: int
+
+    @property
+    def name(self) -> str:
+        """How the cell is called in messages and files."""
+        return f"{self.condition}/{self.n_cycles}/{self.policy}"
+
+    def digest(self) -> str:
+        """Key of the cell's trials: everything that decides them but their number."""
+        model = self.model
+        return digest_of(
+            {
+                "cell": [self.condition, self.n_cycles, self.policy, self.seed],
+                "policy": self.settings.model_dump(mode="json"),
+                "expertise": repr(model.expertise),
+                "discount": model.discount,
+                "maps": [model.gain.tolist(), model.offset.tolist(), model.observation.tolist(), model.entries],
+                "initial": [self.initial.states.tolist(), self.initial.weights.tolist()],
+                "sources": digest_of_package(*SOURCES),
+            }
+        )
+
+    def is_deterministic(self) -> bool:
+        """Whether every run is the same (paper, footnote 4): known start, expert, no dice in the policy."""
+        certain = len(self.initial.weights) == 1 and self.model.expertise == math.inf
+        return certain and not build_policy(self.model, self.settings).draws_at_random
+
+    def trial_numbers(self) -> range:
+        """The trials to run: one where every run is the same."""
+        return range(1 if self.is_deterministic() else self.trials)
+
+
+def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> list[T]:
+    """The wanted items in the order of `available`; all, if nothing is wanted in particular.
+
+    Raises SelectionError naming what is not available.
+    """
+    if not wanted:
+        return list(available)
+    unknown = [item for item in wanted if item not in available]
+    if unknown:
+        named, known = ", ".join(map(str, unknown)), ", ".join(map(str, available))
+        raise SelectionError(f"--{what} {named}: not in the experiment; available: {known}.")
+    return [item for item in available if item in wanted]

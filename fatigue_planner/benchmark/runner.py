@@ -1,0 +1,56 @@
+"""Running a grid of cells on all cores, resuming where an earlier run stopped."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.store import TrialStore
+from fatigue_planner.benchmark.streams import stream
+from fatigue_planner.benchmark.trial import TrialResult, draw_world, run_trial
+from fatigue_planner.parallel import run_parallel
+from fatigue_planner.planners.registry import build_policy
+
+TRIALS_PER_PART = 10
+
+Results = dict[int, TrialResult]
+
+
+def run_cell(cell: Cell, trials: Sequence[int]) -> Results:
+    """Some trials of a cell."""
+    results = {}
+    for trial in trials:
+        world = draw_world(cell.seed, cell.condition, cell.n_cycles, trial)
+        planner = stream(cell.seed, "planner", cell.condition, cell.n_cycles, trial, cell.policy)
+        policy = build_policy(cell.model, cell.settings)
+        results[trial] = run_trial(cell.model, cell.initial, policy, cell.n_cycles, world, planner)
+    return results
+
+
+def run_grid(
+    cells: Sequence[Cell], store_folder: Path, jobs: int, progress: Callable[[Cell, int], None]
+) -> tuple[list[Results], list[str]]:
+    """All trials of all cells, in the order of the cells, and warnings about damaged files.
+
+    Trials already in the store are not run again; new ones are stored as they come. `progress` hears
+    how many trials of a cell are done. Raises OutputFolderError if the store cannot be written.
+    """
+    store = TrialStore(store_folder)
+    results: list[Results] = []
+    parts: list[tuple[int, list[int]]] = []
+    for index, cell in enumerate(cells):
+        finished = store.load(cell)
+        results.append({trial: finished[trial] for trial in cell.trial_numbers() if trial in finished})
+        progress(cell, len(results[index]))
+        missing = [trial for trial in cell.trial_numbers() if trial not in finished]
+        parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
+    parts.sort(key=lambda part: -cells[part[0]].n_cycles * len(part[1]))
+    for place, done in run_parallel(_run_part, [(cells[index], trials) for index, trials in parts], jobs):
+        index = parts[place][0]
+        store.add(cells[index], done)
+        results[index] |= done
+        progress(cells[index], len(done))
+    return results, store.warnings
+
+
+def _run_part(part: tuple[Cell, list[int]]) -> Results:
+    return run_cell(*part)

@@ -1,0 +1,72 @@
+"""Finished trials on disk: small files, each published whole, from which a run goes on and a table is made.
+
+`parts/<digest of the cell>/<first>-<last>.json` holds some trials of a cell and the SHA-256 of what
+it says. Trials are keyed by cell and number, so it does not matter how a run cut them into parts.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.trial import TrialResult
+from fatigue_planner.errors import DamagedFileError
+from fatigue_planner.files import canonical_json, digest_of, publish_text
+
+DIGEST_LENGTH = 16
+
+
+class TrialStore:
+    """The finished trials below one folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.warnings: list[str] = []
+
+    def add(self, cell: Cell, results: Mapping[int, TrialResult]) -> None:
+        """Keep some trials of a cell. Raises OutputFolderError if they cannot be written."""
+        trials = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]
+        content = {"cell": cell.name, "digest": cell.digest(), "trials": trials}
+        text = canonical_json({**content, "sha256": digest_of(content)})
+        publish_text(self._folder(cell) / f"{min(results)}-{max(results)}.json", text)
+
+    def load(self, cell: Cell) -> dict[int, TrialResult]:
+        """The finished trials of a cell, by number.
+
+        A damaged part is set aside with a warning; two different results of one trial raise
+        DamagedFileError, showing both.
+        """
+        found: dict[int, TrialResult] = {}
+        for path in sorted(self._folder(cell).glob("*.json")):
+            trials = self._read(path, cell)
+            for row in trials:
+                number = int(row.pop("trial"))
+                result = TrialResult(**row)
+                earlier = found.setdefault(number, result)
+                if _outcome(earlier) != _outcome(result):
+                    raise DamagedFileError(
+                        f"{path}: trial {number} of {cell.name} has two results, {_outcome(earlier)} and "
+                        f"{_outcome(result)}. Remove {path.parent} and run again."
+                    )
+        return found
+
+    def _folder(self, cell: Cell) -> Path:
+        return self.folder / cell.digest()[:DIGEST_LENGTH]
+
+    def _read(self, path: Path, cell: Cell) -> Sequence[dict[str, float]]:
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            sha256 = content.pop("sha256")
+            if sha256 == digest_of(content) and content["digest"] == cell.digest():
+                return list(content["trials"])
+        except (OSError, ValueError, KeyError, AttributeError):
+            pass
+        path.replace(path.with_suffix(".damaged"))
+        self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
+        return []
+
+
+def _outcome(result: TrialResult) -> tuple[float, float, float]:
+    """What must be equal when a trial is repeated; times never are."""
+    return result.discounted_return, result.final_cost, result.peak_cost

@@ -1,0 +1,152 @@
+"""`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from fatigue_planner.benchmark.grid import Cell, choose
+from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.table import OUTCOMES, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.cli.options import (
+    ALL_CORES,
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    ExperimentFile,
+    Jobs,
+    ResultsFolder,
+    talk,
+)
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import load_reactions, problem
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.planners.registry import PomcpSettings
+from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.summary import summary_text
+
+SUMMARY_FILE = "summary.txt"
+COMPARISON_FILE = "comparison.csv"
+
+
+def benchmark(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cycles: Annotated[list[int] | None, typer.Option(help="Only this number of cycles (repeatable).")] = None,
+    conditions: Annotated[list[str] | None, typer.Option(help="Only this condition (repeatable).")] = None,
+    policies: Annotated[list[str] | None, typer.Option(help="Only this policy (repeatable).")] = None,
+    trials: Annotated[int | None, typer.Option(min=1, help="Trials per cell instead of the experiment's.")] = None,
+    descents: Annotated[int | None, typer.Option(min=1, help="Descents of every POMCP, not the experiment's.")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
+    jobs: Jobs = ALL_CORES,
+    cache: CacheFolder = DEFAULT_CACHE,
+    results: ResultsFolder = DEFAULT_RESULTS,
+) -> None:
+    """Run every policy of an EXPERIMENT in every condition and compare their returns.
+
+    Needs the reactions of `fatplan simulate`. Options restrict or change the experiment's grid; a
+    changed grid gets a results folder of its own, named after the changes. An interrupted run goes on
+    where it stopped when it is started again, and ends in the same table.
+    """
+    settings = load_experiment(experiment)
+    grid = _changed(settings, cycles, conditions, policies, trials, descents, seed)
+    folder = writable_folder(results / (settings.name + _suffix(cycles, conditions, policies, trials, descents, seed)))
+    reactions = load_reactions(settings, experiment, cache)
+    cells = _cells(grid, reactions)
+    table = _run(cells, results / settings.name / "parts", jobs)
+    publish_table(folder, table)
+    comparison = comparison_table(table, settings.significance_level)
+    publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
+    summary = summary_text(comparison, settings.significance_level)
+    publish_text(folder / SUMMARY_FILE, summary)
+    configuration = {
+        "experiment": grid.model_dump(mode="json"),
+        "seed": grid.benchmark.seed,
+        "reactions": {str(reaction.name): reaction.digest for reaction in reactions},
+    }
+    files = [folder / name for name in (TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE)]
+    publish_manifest(folder, "benchmark", configuration, files)
+    typer.echo(summary)
+    others = ", ".join([COMPARISON_FILE, SUMMARY_FILE, TIMES_FILE, MANIFEST_FILE])
+    typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
+
+
+def _changed(
+    experiment: Experiment,
+    cycles: list[int] | None,
+    conditions: list[str] | None,
+    policies: list[str] | None,
+    trials: int | None,
+    descents: int | None,
+    seed: int | None,
+) -> Experiment:
+    """The experiment with the grid the options ask for. Raises SelectionError for unknown names."""
+    grid = experiment.benchmark
+    chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), policies)}
+    if descents is not None:
+        chosen_policies = {
+            name: policy.model_copy(update={"descents": descents}) if isinstance(policy, PomcpSettings) else policy
+            for name, policy in chosen_policies.items()
+        }
+    changes = {
+        "n_cycles": tuple(choose("cycles", grid.n_cycles, cycles)),
+        "conditions": {name: grid.conditions[name] for name in choose("conditions", list(grid.conditions), conditions)},
+        "policies": chosen_policies,
+        "trials": trials or grid.trials,
+        "seed": grid.seed if seed is None else seed,
+    }
+    return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes)})
+
+
+def _suffix(
+    cycles: list[int] | None,
+    conditions: list[str] | None,
+    policies: list[str] | None,
+    trials: int | None,
+    descents: int | None,
+    seed: int | None,
+) -> str:
+    """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
+    lists: dict[str, Sequence[object] | None] = {"cycles": cycles, "conditions": conditions, "policies": policies}
+    numbers = {"trials": trials, "descents": descents, "seed": seed}
+    parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
+    parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
+    return "".join(parts)
+
+
+def _cells(experiment: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+    grid = experiment.benchmark
+    problems = {name: problem(experiment, reactions, condition) for name, condition in grid.conditions.items()}
+    return [
+        Cell(condition, n_cycles, policy, settings, *problems[condition], grid.seed, grid.trials)
+        for condition in grid.conditions
+        for n_cycles in grid.n_cycles
+        for policy, settings in grid.policies.items()
+    ]
+
+
+def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:
+    console = talk()
+    total = sum(len(cell.trial_numbers()) * cell.n_cycles for cell in cells)
+    share = TextColumn("{task.percentage:.0f} %")
+    with Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        share,
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    ) as bar:
+        task = bar.add_task(f"Running {len(cells)} cells", total=total)
+        done, warnings = run_grid(cells, store, jobs, lambda cell, n: bar.advance(task, n * cell.n_cycles))
+    for warning in warnings:
+        console.print(f"Warning: {warning}", markup=False)
+    table = trial_table(cells, done)
+    assert not table[OUTCOMES].isna().any(axis=None)
+    return table

@@ -1,0 +1,51 @@
+"""`fatplan figures`: the figures of a finished benchmark."""
+
+import typer
+
+from fatigue_planner.benchmark.table import read_table
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    ExperimentFile,
+    ResultsFolder,
+)
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import load_reactions
+from fatigue_planner.fatigue.parameters import fatigue_parameters
+from fatigue_planner.figures.reactions import posture_figure, torque_figure
+from fatigue_planner.figures.returns import returns_figure
+from fatigue_planner.figures.style import save_figure
+from fatigue_planner.files import writable_folder
+from fatigue_planner.human.model import build_human
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.statistics.comparison import comparison_table
+
+
+def figures(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cache: CacheFolder = DEFAULT_CACHE,
+    results: ResultsFolder = DEFAULT_RESULTS,
+) -> None:
+    """Draw the figures of an EXPERIMENT: returns per policy, postural reactions and their torques.
+
+    Needs the results of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
+    """
+    settings = load_experiment(experiment)
+    reactions = load_reactions(settings, experiment, cache)
+    folder = writable_folder(results / settings.name)
+    comparison = comparison_table(read_table(folder), settings.significance_level)
+    files = []
+    for name, conditions in settings.figures.items():
+        figure = returns_figure(comparison, conditions, list(settings.benchmark.policies))
+        files += save_figure(folder, name, figure, comparison[comparison["condition"].isin(conditions)])
+    human = build_human(settings.worker, settings.tool.mass_kg)
+    files += save_figure(folder, "reactions", *posture_figure(human, reactions))
+    parameters = fatigue_parameters(settings.fatigue, settings.worker.strength)
+    files += save_figure(folder, "torques", *torque_figure(reactions, parameters))
+    configuration = {"reactions": {str(reaction.name): reaction.digest for reaction in reactions}}
+    publish_manifest(folder, "figures", configuration, files)
+    for path in files:
+        if path.suffix == ".png":
+            typer.echo(f"{path} (and .svg, .csv)")

@@ -1,0 +1,76 @@
+"""The command `fatplan`: options in, work by the layers below, messages and exit codes out."""
+
+import signal
+import sys
+from types import FrameType
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fatigue_planner import __version__
+from fatigue_planner.cli.benchmark import benchmark
+from fatigue_planner.cli.figures import figures
+from fatigue_planner.cli.simulate import simulate
+from fatigue_planner.errors import ExitCode, FatplanError
+
+EXIT_CODES = (
+    "Exit codes: 0 done; 1 internal error; 2 bad input or usage; 3 finished, but some parts failed; "
+    "4 a stored file is damaged; 130 or 143 interrupted, with everything finished so far kept."
+)
+
+app = typer.Typer(
+    name="fatplan",
+    help="Plan a cobot's choices so that a worker's fatigue stays low in the long run.",
+    epilog=EXIT_CODES,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command(epilog=EXIT_CODES)(simulate)
+app.command(epilog=EXIT_CODES)(benchmark)
+app.command(epilog=EXIT_CODES)(figures)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"fatplan {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+class Terminated(BaseException):
+    """SIGTERM, raised where the program is, so that it leaves as on Ctrl-C."""
+
+
+def _terminate(_signal: int, _frame: FrameType | None) -> None:
+    raise Terminated
+
+
+def run() -> None:
+    """Run the command line; every mistake of the user ends in one message and its exit code."""
+    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    signal.signal(signal.SIGTERM, _terminate)
+    try:
+        app(standalone_mode=True)
+    except FatplanError as error:
+        errors.print(f"[red]Error:[/red] {_escaped(str(error))}")
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        errors.print("Interrupted. What is finished is kept; the same command goes on from there.")
+        sys.exit(ExitCode.INTERRUPTED)
+    except Terminated:
+        errors.print("Terminated. What is finished is kept; the same command goes on from there.")
+        sys.exit(ExitCode.TERMINATED)
+
+
+def _escaped(text: str) -> str:
+    return text.replace("[", r"\[")

@@ -1,0 +1,24 @@
+"""Options that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from fatigue_planner.parallel import available_cores
+
+ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
+CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the reaction libraries.")]
+ResultsFolder = Annotated[Path, typer.Option("--results", help="Folder of the results.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes to use; results do not depend on it.")]
+
+DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
+DEFAULT_CACHE = Path("cache")
+DEFAULT_RESULTS = Path("results")
+ALL_CORES = available_cores()
+
+
+def talk() -> Console:
+    """Where progress and messages go: the terminal's error stream, apart from results."""
+    return Console(stderr=True, highlight=False, soft_wrap=True)

@@ -1,0 +1,62 @@
+"""`fatplan simulate`: every action with every preference, into the reaction cache."""
+
+import time
+
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from fatigue_planner.cli.options import (
+    ALL_CORES,
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    CacheFolder,
+    ExperimentFile,
+    Jobs,
+    talk,
+)
+from fatigue_planner.errors import ExitCode
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import reaction_requests
+from fatigue_planner.reactions.cache import Outcome, ReactionCache
+
+
+def simulate(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES
+) -> None:
+    """Simulate the digital human for every action and motion preference of an EXPERIMENT.
+
+    The joint torques, motions and contact forces go to a reaction library (HDF5) in the cache folder.
+    What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
+    is reported and not kept.
+    """
+    begin = time.perf_counter()
+    settings = load_experiment(experiment)
+    requests = reaction_requests(settings)
+    store, console = ReactionCache(cache), talk()
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console) as bar:
+        task = bar.add_task("Simulating reactions", total=len(requests))
+        path, outcomes = store.complete(settings.name, requests, jobs, lambda _: bar.advance(task))
+    for warning in store.damaged:
+        console.print(f"Warning: {warning}", markup=False)
+    for outcome in outcomes:
+        typer.echo(f"  {outcome.name!s:<24} {_verdict(outcome)}")
+    failed = sum(outcome.reaction is None for outcome in outcomes)
+    found = sum(outcome.found for outcome in outcomes)
+    if failed:
+        typer.echo(f"{failed} of {len(outcomes)} reactions failed; no library is published. The others are kept.")
+        raise typer.Exit(ExitCode.FAILED_PARTS)
+    made = "nothing to simulate" if found == len(outcomes) else f"{len(outcomes) - found} simulated"
+    typer.echo(
+        f"{path}: {len(outcomes)} reactions, {found} found in the cache, {made} ({time.perf_counter() - begin:.1f} s)."
+    )
+
+
+def _verdict(outcome: Outcome) -> str:
+    if outcome.reaction is None:
+        return f"FAILED: {outcome.failure}"
+    quality = outcome.reaction.quality
+    return (
+        f"{'found' if outcome.found else 'simulated'}; hand within {quality.work_hand_error_m * 1000:.1f} mm of its "
+        f"target, equation of motion within {quality.equation_of_motion_nm:.0e} N.m"
+    )

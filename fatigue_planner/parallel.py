@@ -1,0 +1,41 @@
+"""Independent pieces of work on the cores of this machine."""
+
+import os
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from typing import TypeVar
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def available_cores() -> int:
+    """Cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _leave_signals_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def run_parallel(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[tuple[int, R]]:
+    """Do `work` on every item in up to `jobs` processes; yield (place of the item, result) as they come.
+
+    One item runs in its own process, too, and linear algebra uses one thread there, so that results do
+    not depend on `jobs`. If the consumer stops or fails, work not yet begun is cancelled.
+    """
+    if not items:
+        return
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ[f"{library}_NUM_THREADS"] = "1"
+    context = get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(items)), context, _leave_signals_to_the_parent) as pool:
+        futures = {pool.submit(work, item): place for place, item in enumerate(items)}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise

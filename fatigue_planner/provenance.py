@@ -1,0 +1,35 @@
+"""What every result carries: configuration, versions, seed and hashes, without dates or machine."""
+
+import hashlib
+import json
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from fatigue_planner import __version__
+from fatigue_planner.files import publish_text
+
+MANIFEST_FILE = "manifest.json"
+LIBRARIES = ("numpy", "scipy", "pandas", "numba", "pin", "casadi", "h5py", "matplotlib")
+
+
+def versions() -> dict[str, str]:
+    """Versions of this program, Python and the libraries that decide results."""
+    return {"fatplan": __version__, "python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
+
+
+def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> None:
+    """Write the manifest: what made the files of a folder, from what, and their SHA-256.
+
+    Entries of other commands are kept, so one manifest describes the whole folder.
+    """
+    path = folder / MANIFEST_FILE
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        manifest = {}
+    hashes = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    manifest[made_by] = {"versions": versions(), **configuration, "sha256": hashes}
+    publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
