@@ -2,9 +2,11 @@
 
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -16,26 +18,35 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _leave_signals_to_the_parent() -> None:
+def _follow_the_parent() -> None:
+    """Leave signals to the parent, and do not outlive it if it is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_exit_after, args=[parent_process()], daemon=True).start()
+
+
+def _exit_after(parent: BaseProcess | None) -> None:
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def run_parallel(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[tuple[int, R]]:
     """Do `work` on every item in up to `jobs` processes; yield (place of the item, result) as they come.
 
     One item runs in its own process, too, and linear algebra uses one thread there, so that results do
-    not depend on `jobs`. If the consumer stops or fails, work not yet begun is cancelled.
+    not depend on `jobs`. If the consumer stops or fails, work not yet begun is cancelled and work in
+    progress awaited.
     """
     if not items:
         return
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ[f"{library}_NUM_THREADS"] = "1"
     context = get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(items)), context, _leave_signals_to_the_parent) as pool:
+    with ProcessPoolExecutor(min(jobs, len(items)), context, _follow_the_parent) as pool:
         futures = {pool.submit(work, item): place for place, item in enumerate(items)}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
+            pool.shutdown(wait=True, cancel_futures=True)
             raise

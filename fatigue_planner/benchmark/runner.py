@@ -10,7 +10,7 @@ from fatigue_planner.benchmark.trial import TrialResult, draw_world, run_trial
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.planners.registry import build_policy
 
-TRIALS_PER_PART = 10
+TRIALS_PER_PART = 5
 
 Results = dict[int, TrialResult]
 

@@ -38,7 +38,7 @@ class TrialStore:
         DamagedFileError, showing both.
         """
         found: dict[int, TrialResult] = {}
-        for path in sorted(self._folder(cell).glob("*.json")):
+        for path in sorted(self._folder(cell).glob("[0-9]*.json")):
             trials = self._read(path, cell)
             for row in trials:
                 number = int(row.pop("trial"))
@@ -60,7 +60,7 @@ class TrialStore:
             sha256 = content.pop("sha256")
             if sha256 == digest_of(content) and content["digest"] == cell.digest():
                 return list(content["trials"])
-        except (OSError, ValueError, KeyError, AttributeError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass
         path.replace(path.with_suffix(".damaged"))
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")

@@ -43,7 +43,7 @@ def read_table(folder: Path) -> pd.DataFrame:
     if not path.exists():
         raise MissingTableError(f"{path}: there is no table of trials. Run `fatplan benchmark` first.")
     try:
-        table = pd.read_csv(path, float_precision="round_trip")
+        table = pd.read_csv(path)
     except (ValueError, OSError) as error:
         raise DamagedFileError(f"{path}: is not a table of trials ({error}).") from error
     if list(table.columns) != KEY + OUTCOMES or table.isna().any(axis=None) or table.duplicated(KEY).any():

@@ -56,8 +56,8 @@ def benchmark(
     """
     settings = load_experiment(experiment)
     grid = _changed(settings, cycles, conditions, policies, trials, descents, seed)
-    folder = writable_folder(results / (settings.name + _suffix(cycles, conditions, policies, trials, descents, seed)))
     reactions = load_reactions(settings, experiment, cache)
+    folder = writable_folder(results / (settings.name + _suffix(cycles, conditions, policies, trials, descents, seed)))
     cells = _cells(grid, reactions)
     table = _run(cells, results / settings.name / "parts", jobs)
     publish_table(folder, table)

@@ -1,5 +1,7 @@
 """A convex quadratic program of fixed size, solved again and again without copying."""
 
+import io
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import Any
 
 import casadi as ca
@@ -24,8 +26,9 @@ class QuadraticProgram:
         options: dict[str, Any] = {"error_on_fail": False}
         if solver == "qpoases":
             options |= {"printLevel": "none", "sparse": False}
-        self._function = ca.conic("whole_body", solver, structure, options)
-        self._buffer, self._evaluate = self._function.buffer()
+        with self._quiet():
+            self._function = ca.conic("whole_body", solver, structure, options)
+            self._buffer, self._evaluate = self._function.buffer()
         arrays: dict[str, Vector] = {}
         for i in range(self._function.n_in()):
             name = self._function.name_in(i)
@@ -48,10 +51,15 @@ class QuadraticProgram:
         """The minimiser (n,), or None if the data are not finite or the solver reports failure."""
         if not self._finite():
             return None
-        self._evaluate()
+        with self._quiet():
+            self._evaluate()
         if not self._buffer.stats()["success"] or not np.isfinite(self._solution).all():
             return None
         return self._solution
+
+    def _quiet(self) -> AbstractContextManager[object]:
+        """Swallow the banner of qpOASES, which no option removes."""
+        return redirect_stdout(io.StringIO()) if self.solver == "qpoases" else nullcontext()
 
     def copy_from(self, other: "QuadraticProgram") -> None:
         """Take over the data of another program of the same size."""

@@ -40,7 +40,7 @@ class ReactionCache:
     def path(self, experiment: str, requests: Sequence[ReactionRequest]) -> Path:
         """Where the library of these requests is, under whatever name, or where it would be published."""
         digest = library_digest([(request.name, request.digest()) for request in requests])[:DIGEST_LENGTH]
-        return next(iter(sorted(self.folder.glob(f"*-{digest}.h5"))), self.folder / f"{experiment}-{digest}.h5")
+        return next(iter(sorted(self.folder.glob(f"[!.]*-{digest}.h5"))), self.folder / f"{experiment}-{digest}.h5")
 
     def load(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
         """The reactions of a finished library, in the order of the requests.
@@ -107,7 +107,7 @@ class ReactionCache:
     def _find(self, wanted: set[str]) -> dict[str, Reaction]:
         """The wanted reactions, by digest, from all libraries; damaged files are set aside."""
         found: dict[str, Reaction] = {}
-        for path in sorted([*self.folder.glob("*.h5"), *self.folder.glob("partial/*.h5")]):
+        for path in sorted([*self.folder.glob("[!.]*.h5"), *self.folder.glob("partial/[!.]*.h5")]):
             try:
                 found |= {reaction.digest: reaction for reaction in read_library(path, wanted - found.keys())}
             except DamagedFileError as error:

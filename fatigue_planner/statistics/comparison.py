@@ -1,6 +1,7 @@
 """Means, standard deviations and the paper's t-tests between neighbouring policies (section IV-E)."""
 
 import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,7 +57,9 @@ def _compare(values: Vector, following: Vector | None, significance_level: float
         return math.nan, f"no test: {DETERMINISTIC}"
     if np.ptp(values) == 0 and np.ptp(following) == 0:
         return math.nan, "no test: both constant"
-    p_value = float(stats.ttest_ind(values, following).pvalue)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # one of the two may be constant
+        p_value = float(stats.ttest_ind(values, following).pvalue)
     if p_value >= significance_level:
         return p_value, "ns"
     return p_value, next((mark for limit, mark in STARS if p_value < limit), "*")

@@ -1,0 +1,55 @@
+# `make paper-figures` and `make test` each work as the first command ever run: the virtual
+# environment is made on the way. It needs Python >= 3.11 (with venv) and the package index only.
+
+VENV := .venv
+BIN := $(VENV)/bin
+# Any Python >= 3.11 on the path; set PYTHON to choose one.
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14 python; do \
+	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && echo "$$p" && break; done)
+
+EXPERIMENT ?= experiments/paper.yaml
+
+.PHONY: help install paper-figures lint test test-all bench clean
+.DEFAULT_GOAL := help
+
+help:
+	@echo "make paper-figures  set up, simulate, run the paper's grid; figures and tables in results/paper"
+	@echo "make test           lint, types and tests (under 5 minutes on 2 cores)"
+	@echo "make test-all       the same with the slow tests"
+	@echo "make bench          measure speed as ratios"
+	@echo "make install        set up only; then: $(BIN)/fatplan --help"
+	@echo "make clean          remove the virtual environment"
+
+$(VENV)/.runtime: pyproject.toml constraints.txt
+	@test -n "$(PYTHON)" || { echo "No Python >= 3.11 found. Install one, or call make PYTHON=/path/to/python3." >&2; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable .
+	@touch $@
+
+$(VENV)/.development: $(VENV)/.runtime
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]'
+	@touch $@
+
+install: $(VENV)/.runtime
+
+paper-figures: $(VENV)/.runtime
+	$(BIN)/fatplan simulate $(EXPERIMENT)
+	$(BIN)/fatplan benchmark $(EXPERIMENT)
+	$(BIN)/fatplan figures $(EXPERIMENT)
+
+lint: $(VENV)/.development
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint
+	$(BIN)/pytest
+
+test-all: lint
+	$(BIN)/pytest -m ''
+
+bench: $(VENV)/.development
+	$(BIN)/python benchmarks/run.py
+
+clean:
+	rm -rf $(VENV)

@@ -1,0 +1,255 @@
+"""The benchmark: paired worlds, resuming, and the same bytes whatever the workers and interruptions."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import PAPER
+
+from fatigue_planner.benchmark.grid import Cell, choose
+from fatigue_planner.benchmark.runner import run_cell, run_grid
+from fatigue_planner.benchmark.store import TrialStore
+from fatigue_planner.benchmark.streams import stream
+from fatigue_planner.benchmark.table import KEY, OUTCOMES, publish_table, read_table, trial_table
+from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
+from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
+from fatigue_planner.experiment.resolve import problem
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.policy import Decision, Policy
+from fatigue_planner.planners.registry import GreedySettings, PomcpSettings, RandomSettings
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.reactions.reaction import Reaction
+
+SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)
+
+
+@pytest.fixture(scope="module")
+def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+    policies = {"random": RandomSettings(kind="random"), "greedy": GreedySettings(kind="greedy"), "search": SEARCH}
+    return [
+        Cell(condition, n_cycles, policy, settings, *problem(paper, reactions, chosen), seed=7, trials=12)
+        for condition, chosen in paper.benchmark.conditions.items()
+        for n_cycles in (2, 5)
+        for policy, settings in policies.items()
+    ]
+
+
+class Fixed(Policy):
+    """Always the same action; remembers what it was asked."""
+
+    def __init__(self, model, action: int) -> None:
+        super().__init__(model)
+        self.action = action
+        self.beliefs: list[Belief] = []
+
+    def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
+        self.beliefs.append(belief)
+        rng.random(3)
+        return Decision(self.action, self._undecided())
+
+
+def test_return_is_the_discounted_sum_by_hand(cells: list[Cell]) -> None:
+    cell = cells[0]
+    model, world = cell.model, World(0.0, np.array([0.1, 0.9]), np.zeros(2))
+    result = run_trial(model, cell.initial, Fixed(model, 1), 2, world, np.random.default_rng(0))
+    first = model.gain[1, 0] * 0 + model.offset[1, 0]
+    second = model.gain[1, 1] * first + model.offset[1, 1]
+    costs = [(f**2).sum() / 78 for f in (first, second)]
+    assert result.discounted_return == pytest.approx(-costs[0] - 0.95 * costs[1])
+    assert result.final_cost == pytest.approx(costs[1]) and result.peak_cost == pytest.approx(max(costs))
+
+
+def test_worlds_depend_on_condition_length_and_trial_only() -> None:
+    base = draw_world(1, "novice", 5, 0)
+    again = draw_world(1, "novice", 5, 0)
+    np.testing.assert_array_equal(base.preference, again.preference)
+    for other in (draw_world(2, "novice", 5, 0), draw_world(1, "expert", 5, 0), draw_world(1, "novice", 5, 1)):
+        assert not np.array_equal(base.preference, other.preference) and base.start != other.start
+    assert not np.array_equal(draw_world(1, "novice", 20, 0).preference[:5], base.preference)
+
+
+def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell]) -> None:
+    """Reactions follow the world's draws alone, however much a policy draws; its stream is its own."""
+    cell = cells[0]
+    world = draw_world(3, "c", 30, 4)
+    starts = []
+    for seed in (0, 1):
+        policy = Fixed(cell.model, 0)
+        run_trial(cell.model, cell.initial, policy, 30, world, np.random.default_rng(seed))
+        starts.append(policy.beliefs[-1].states)
+    np.testing.assert_array_equal(*starts)
+    planner, chance = (
+        stream(3, "planner", "c", 30, 4, "p").random(1000),
+        stream(3, "preference", "c", 30, 4).random(1000),
+    )
+    assert abs(np.corrcoef(planner, chance)[0, 1]) < 5 / np.sqrt(1000)  # false alarm 6e-7
+
+
+def test_novices_choose_evenly() -> None:
+    """Binomial test over the world's draws; false alarm 1e-6."""
+    draws = np.concatenate([draw_world(2023, "single_novice", 100, trial).preference for trial in range(100)])
+    from scipy.stats import binomtest
+
+    assert binomtest(int((draws < 0.5).sum()), 10_000).pvalue > 1e-6
+
+
+def test_start_is_drawn_with_the_initial_probabilities() -> None:
+    from scipy.stats import chisquare
+
+    starts = np.array([draw_world(2023, "multiple_novice", 100, trial).start for trial in range(3000)])
+    counts = np.histogram(starts, [0, 0.2, 0.6, 1])[0]
+    assert chisquare(counts, [600, 1200, 1200]).pvalue > 1e-6
+
+
+def test_what_is_deterministic_is_run_once(cells: list[Cell]) -> None:
+    runs = {cell.name: len(cell.trial_numbers()) for cell in cells}
+    assert runs["single_expert/5/greedy"] == runs["single_expert/5/search"] == 1
+    assert runs["single_expert/5/random"] == runs["single_novice/5/greedy"] == runs["multiple_novice/2/search"] == 12
+    search = next(cell for cell in cells if cell.name == "single_expert/5/search")
+    outcomes = {tuple(vars(r).values())[:3] for r in run_cell(search, range(5)).values()}
+    assert len(outcomes) == 1
+
+
+def table_bytes(cells: list[Cell], store: Path, out: Path, jobs: int) -> bytes:
+    results, warnings = run_grid(cells, store, jobs, lambda cell, n: None)
+    assert warnings == []
+    publish_table(out, trial_table(cells, results))
+    return (out / "trials.csv").read_bytes()
+
+
+def test_table_is_the_same_for_any_workers_and_after_interruption(cells: list[Cell], tmp_path: Path) -> None:
+    one = table_bytes(cells, tmp_path / "a", tmp_path / "a", 1)
+    two = table_bytes(cells, tmp_path / "b", tmp_path / "b", 2)
+    # an interrupted run: some parts are missing, a temporary file was left behind
+    parts = sorted((tmp_path / "b").glob("*/*.json"))
+    random.Random(0).shuffle(parts)
+    for part in parts[: len(parts) // 2]:
+        part.unlink()
+    (parts[-1].parent / ".0-9.123.json").write_text("{")
+    resumed = table_bytes(cells, tmp_path / "b", tmp_path / "c", 2)
+    assert one == two == resumed
+    assert table_bytes(cells, tmp_path / "b", tmp_path / "d", 2) == one  # nothing left to do
+
+
+def test_more_trials_reuse_the_first_ones(cells: list[Cell], tmp_path: Path) -> None:
+    from dataclasses import replace
+
+    few = [replace(cells[0], trials=3)]
+    run_grid(few, tmp_path, 1, lambda cell, n: None)
+    first = sorted(path.name for path in tmp_path.glob("*/*.json"))
+    results, _ = run_grid([cells[0]], tmp_path, 1, lambda cell, n: None)
+    assert sorted(results[0]) == list(range(12))
+    assert first == ["0-2.json"] and (tmp_path / cells[0].digest()[:16] / "3-11.json").exists()
+
+
+def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
+    from dataclasses import replace
+
+    cell = cells[0]
+    others = [
+        replace(cell, seed=8), replace(cell, n_cycles=3), replace(cell, policy="p"), replace(cell, condition="c"),
+        replace(cell, settings=SEARCH), replace(cell, settings=SEARCH.model_copy(update={"descents": 61})),
+        replace(cell, model=replace(cell.model, discount=0.9)), replace(cell, model=replace(cell.model, expertise=1.0)),
+        replace(cell, model=replace(cell.model, gain=cell.model.gain * 0.999)),
+    ]  # fmt: skip
+    assert len({cell.digest(), *(other.digest() for other in others)}) == 10
+    assert replace(cell, trials=99).digest() == cell.digest()
+
+
+@pytest.mark.parametrize("damage", ["{", '{"sha256": "0"}', "[]", ""])
+def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path, damage: str) -> None:
+    run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    part = sorted(tmp_path.glob("*/*.json"))[0]
+    intact = json.loads(part.read_text())["trials"]
+    part.write_text(damage)
+    results, warnings = run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    assert len(warnings) == 1 and "set aside" in warnings[0] and part.with_suffix(".damaged").exists()
+    assert results[0][0].discounted_return == intact[0]["discounted_return"]
+
+
+def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Path) -> None:
+    run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    part = sorted(tmp_path.glob("*/*.json"))[0]
+    whole = part.read_bytes()
+    rng = random.Random(1)
+    for _ in range(60):
+        data = bytearray(whole)
+        place = rng.randrange(len(data))
+        data[place] ^= 1 << rng.randrange(8)
+        part.write_bytes(data)
+        store = TrialStore(tmp_path)
+        store.load(cells[0])
+        assert len(store.warnings) == 1, place
+        part.with_suffix(".damaged").unlink()
+
+
+def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell], tmp_path: Path) -> None:
+    store = TrialStore(tmp_path)
+    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 0, 0), 1: TrialResult(-2.0, 0.1, 0.1, 0, 0)})
+    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 5, 5)})
+    assert store.load(cells[0])[0].discounted_return == -1.0  # equal but for its times
+    store.add(cells[0], {0: TrialResult(-1.5, 0.1, 0.1, 0, 0), 2: TrialResult(-3.0, 0.1, 0.1, 0, 0)})
+    with pytest.raises(DamagedFileError, match=r"-1\.0.*-1\.5|-1\.5.*-1\.0"):
+        store.load(cells[0])
+
+
+def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path) -> None:
+    with pytest.raises(MissingTableError, match="fatplan benchmark"):
+        read_table(tmp_path)
+    results, _ = run_grid(cells[:2], tmp_path / "parts", 1, lambda cell, n: None)
+    publish_table(tmp_path, trial_table(cells[:2], results))
+    table = read_table(tmp_path)
+    assert list(table.columns) == KEY + OUTCOMES and len(table) == 24
+    path = tmp_path / "trials.csv"
+    lines = path.read_text().splitlines()
+    for bad in (
+        lines[:3] + lines[2:3],
+        [lines[0].replace("trial", "run"), *lines[1:]],
+        [*lines[:2], lines[2][:-25] + ","],
+    ):
+        path.write_text("\n".join(bad) + "\n")
+        with pytest.raises(DamagedFileError):
+            read_table(tmp_path)
+
+
+def test_choose_names_what_is_not_there() -> None:
+    assert choose("cycles", (5, 20, 100), [100, 5]) == [5, 100]
+    assert choose("cycles", (5, 20), None) == [5, 20]
+    with pytest.raises(SelectionError, match="--cycles 7: not in the experiment; available: 5, 20"):
+        choose("cycles", (5, 20), [5, 7])
+
+
+def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path) -> None:
+    """SIGKILL at random moments, then the same command again."""
+    options = ["--cycles", "5", "--trials", "40", "--descents", "800", "--conditions", "single_novice", "--jobs", "2"]
+    command = [
+        sys.executable,
+        "-c",
+        "from fatigue_planner.cli.main import run; run()",
+        "benchmark",
+        str(PAPER),
+        *options,
+    ]
+    folders = ["--cache", str(cache_folder), "--results"]
+    undisturbed, disturbed = tmp_path / "undisturbed", tmp_path / "disturbed"
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "env": os.environ | {"COLUMNS": "80"}}
+    begin = time.monotonic()
+    subprocess.run([*command, *folders, str(undisturbed)], check=True, **quiet)
+    duration = time.monotonic() - begin
+    moments = random.Random(5)
+    for _ in range(3):
+        process = subprocess.Popen([*command, *folders, str(disturbed)], start_new_session=True, **quiet)
+        time.sleep(moments.uniform(0.5, 1.0) * duration)
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+    subprocess.run([*command, *folders, str(disturbed)], check=True, **quiet)
+    for name in ("trials.csv", "comparison.csv", "summary.txt", "manifest.json"):
+        (one,), (other,) = undisturbed.rglob(name), disturbed.rglob(name)
+        assert one.read_bytes() == other.read_bytes(), name

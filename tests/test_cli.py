@@ -1,0 +1,211 @@
+"""The commands as a user types them: what they print, write, refuse, and the exit codes."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from conftest import PAPER
+
+FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.main import run; run()"]
+
+
+def fatplan(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    environment = os.environ | {"COLUMNS": "200", "NO_COLOR": "1"}
+    command = [*FATPLAN, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment, check=False, timeout=240)
+
+
+def refused(code: int, *arguments: object) -> str:
+    """The one message of a command that must fail with an exit code."""
+    done = fatplan(*arguments)
+    assert done.returncode == code, done.stderr
+    assert "Traceback" not in done.stderr + done.stdout
+    return done.stderr
+
+
+@pytest.fixture(scope="module")
+def results(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small run of the paper's grid: all cells, few trials and descents; then its figures."""
+    folder = tmp_path_factory.mktemp("results")
+    small = folder / "paper.yaml"
+    small.write_text(PAPER.read_text().replace("trials: 100", "trials: 3").replace("descents: 5000", "descents: 30"))
+    for command in ("benchmark", "figures"):
+        done = fatplan(command, small, "--cache", cache_folder, "--results", folder)
+        assert done.returncode == 0, done.stderr
+    return folder / "paper"
+
+
+def test_simulate_finds_what_is_there(cache_folder: Path) -> None:
+    done = fatplan("simulate", PAPER, "--cache", cache_folder)
+    assert done.returncode == 0
+    assert "4 reactions, 4 found in the cache, nothing to simulate" in done.stdout
+    assert done.stdout.count("hand within") == 4
+
+
+def test_benchmark_writes_the_whole_grid(results: Path) -> None:
+    table = pd.read_csv(results / "trials.csv")
+    cells = table.groupby(["condition", "n_cycles", "policy"]).size()
+    assert len(cells) == 3 * 3 * 7
+    assert set(cells["single_expert"].drop("random", level="policy")) == {1}
+    assert set(cells.drop("single_expert")) == {3}
+    assert len(pd.read_csv(results / "planning_times.csv")) == len(table)
+    assert "one deterministic run" in (results / "summary.txt").read_text()
+
+
+def test_figures_stand_beside_their_data(results: Path) -> None:
+    for name in ("figure5a", "figure5b", "reactions", "torques"):
+        assert (results / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert "<svg" in (results / f"{name}.svg").read_text()[:2000]
+        assert len(pd.read_csv(results / f"{name}.csv")) > 0
+    data = pd.read_csv(results / "figure5a.csv")
+    trials = pd.read_csv(results / "trials.csv")
+    assert set(data["condition"]) == {"single_novice", "single_expert"}
+    for row in data.to_dict("records"):
+        keys = ["condition", "n_cycles", "policy"]
+        cell = trials[(trials[keys] == [row[key] for key in keys]).all(axis=1)]
+        assert cell["discounted_return"].mean() == pytest.approx(row["mean"], rel=1e-12)
+
+
+def test_rebuilding_figures_changes_no_byte(results: Path, cache_folder: Path) -> None:
+    before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
+    experiment = results.parent / "paper.yaml"
+    assert fatplan("figures", experiment, "--cache", cache_folder, "--results", results.parent).returncode == 0
+    after = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
+    assert before == after
+
+
+def test_manifest_carries_configuration_versions_seed_and_hashes(results: Path) -> None:
+    import hashlib
+    import json
+
+    manifest = json.loads((results / "manifest.json").read_text())
+    run = manifest["benchmark"]
+    assert run["seed"] == 2023 and run["experiment"]["discount"] == 0.95
+    assert {"fatplan", "python", "numpy", "numba", "pin", "casadi"} <= set(run["versions"])
+    assert len(run["reactions"]) == 4
+    for command in ("benchmark", "figures"):
+        for name, digest in manifest[command]["sha256"].items():
+            assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
+
+
+def test_options_restrict_the_grid_in_a_folder_of_its_own(cache_folder: Path, tmp_path: Path) -> None:
+    done = fatplan(
+        "benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path, "--jobs", 1, "--cycles", 5, "--cycles", 20,
+        "--conditions", "single_novice", "--policies", "greedy", "--policies", "pomcp_0.1", "--trials", 2,
+        "--descents", 40, "--seed", 1,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    (folder,) = [path for path in tmp_path.iterdir() if path.name != "paper"]
+    assert (
+        folder.name
+        == "paper_cycles-20+5_conditions-single_novice_policies-greedy+pomcp_0.1_trials-2_descents-40_seed-1"
+    )
+    table = pd.read_csv(folder / "trials.csv")
+    assert len(table) == 2 * 2 * 2 and set(table["n_cycles"]) == {5, 20}
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--cycles", "7"], "--cycles 7: not in the experiment; available: 5, 20, 100"),
+        (["--policies", "best"], "--policies best: not in the experiment; available: random, alternating, greedy, "),
+        (["--conditions", "x"], "--conditions x: not in the experiment; available: single_novice, "),
+        (["--trials", "0"], "--trials"),
+        (["--descents", "-5"], "--descents"),
+        (["--jobs", "two"], "--jobs"),
+        (["--nonsense"], "--nonsense"),
+    ],
+)
+def test_bad_options(cache_folder: Path, tmp_path: Path, options: list[str], expected: str) -> None:
+    assert expected in refused(2, "benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path, *options)
+
+
+def test_missing_library_says_what_to_run(tmp_path: Path) -> None:
+    message = refused(2, "benchmark", PAPER, "--cache", tmp_path, "--results", tmp_path)
+    assert f"Run `fatplan simulate {PAPER}` first" in message
+    assert not list(tmp_path.iterdir())
+
+
+def test_damaged_library_is_exit_code_4_and_mended_by_simulate(cache_folder: Path, tmp_path: Path) -> None:
+    cache = tmp_path / "cache"
+    shutil.copytree(cache_folder, cache)
+    (library,) = cache.glob("*.h5")
+    library.write_bytes(library.read_bytes()[:5000])
+    message = refused(4, "benchmark", PAPER, "--cache", cache, "--results", tmp_path)
+    assert library.name in message and "fatplan simulate" in message
+    done = fatplan("simulate", PAPER, "--cache", cache)
+    assert done.returncode == 0 and "set aside" in done.stderr and "4 simulated" in done.stdout
+
+
+def test_missing_table_says_what_to_run(cache_folder: Path, tmp_path: Path) -> None:
+    assert "Run `fatplan benchmark` first" in refused(
+        2, "figures", PAPER, "--cache", cache_folder, "--results", tmp_path
+    )
+
+
+def test_bad_experiment(tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(PAPER.read_text().replace("exploration_constant: 0.1,", "exploration_constant: -1,"))
+    for command in ("simulate", "benchmark", "figures"):
+        assert "exploration_constant = -1: input should be greater than or equal to 0" in refused(2, command, path)
+    assert "No such file" in refused(2, "simulate", tmp_path / "none.yaml")
+
+
+def test_unwritable_folders(cache_folder: Path, tmp_path: Path) -> None:
+    """A file stands where the folder should be (permissions do not stop root)."""
+    (tmp_path / "file").write_text("")
+    inside = tmp_path / "file" / "below"
+    assert "cannot write there" in refused(2, "simulate", PAPER, "--cache", inside)
+    assert "cannot write there" in refused(2, "benchmark", PAPER, "--cache", cache_folder, "--results", inside)
+
+
+def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
+    """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
+    path = tmp_path / "far.yaml"
+    text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
+    path.write_text(text.replace("time_step_s: 0.005", "time_step_s: 0.01"))
+    done = fatplan("simulate", path, "--cache", tmp_path / "cache")
+    assert done.returncode == 3, done.stderr
+    failed = [line for line in done.stdout.splitlines() if "FAILED" in line]
+    assert len(failed) == 2 and all("high/" in line and "closer" in line for line in failed)
+    assert "2 of 4 reactions failed; no library is published. The others are kept." in done.stdout
+    assert not list((tmp_path / "cache").glob("*.h5")) and len(list((tmp_path / "cache/partial").glob("*.h5"))) == 2
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_interruption_keeps_what_is_finished(cache_folder: Path, tmp_path: Path, number: int, code: int) -> None:
+    command = [
+        *FATPLAN,
+        "benchmark",
+        str(PAPER),
+        "--cache",
+        str(cache_folder),
+        "--results",
+        str(tmp_path),
+        "--jobs",
+        "2",
+    ]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    parts = tmp_path / "paper" / "parts"
+    begin = time.monotonic()
+    while not list(parts.glob("*/*.json")) and time.monotonic() - begin < 120:
+        time.sleep(0.1)
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert "is kept; the same command goes on" in errors and "Traceback" not in errors
+    assert list(parts.glob("*/*.json"))
+
+
+def test_help_and_version() -> None:
+    for command in ([], ["simulate"], ["benchmark"], ["figures"]):
+        done = fatplan(*command, "--help")
+        assert done.returncode == 0 and "Exit codes:" in done.stdout
+    assert fatplan("--version").stdout.startswith("fatplan ")
+    assert fatplan("nonsense").returncode == 2

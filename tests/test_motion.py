@@ -1,0 +1,283 @@
+"""The whole-body program: references, limits, contacts, optimality, and the paper's four motions."""
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.optimize import linprog
+
+from fatigue_planner.errors import FailedMotionError
+from fatigue_planner.experiment.resolve import reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.model import build_human
+from fatigue_planner.motion.contact import wrench_cone
+from fatigue_planner.motion.limits import acceleration_bounds
+from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
+from fatigue_planner.motion.quadratic_program import QuadraticProgram
+from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.motion.simulator import _Body, phases_of, simulate
+from fatigue_planner.motion.verification import measure
+from fatigue_planner.reactions.reaction import Reaction
+
+
+def test_minimum_jerk_has_its_known_peaks() -> None:
+    """Peak speed 1.875 D/T at half time, peak acceleration 5.774 D/T^2 (Flash & Hogan 1985)."""
+    samples = np.array([minimum_jerk(x) for x in np.linspace(0, 1, 2001)])
+    assert samples[0].tolist() == [0, 0, 0] and samples[-1].tolist() == [1, 0, 0]
+    assert samples[:, 1].max() == pytest.approx(1.875) and minimum_jerk(0.5)[1] == pytest.approx(1.875)
+    assert samples[:, 2].max() == pytest.approx(10 / np.sqrt(3), rel=1e-5)
+    assert minimum_jerk(-1) == (0, 0, 0) and minimum_jerk(2) == (1, 0, 0)
+
+
+def test_reach_velocities_are_the_derivatives_of_its_pose() -> None:
+    reach = Reach(
+        Pose(np.zeros(3), np.eye(3)), Pose(np.array([0.3, -0.1, 0.5]), pin.exp3(np.array([0.4, -1.2, 0.7]))), 2.0
+    )
+    h = 1e-5
+    for t in (0.3, 1.0, 1.7):
+        before, now, after = reach.at(t - h), reach.at(t), reach.at(t + h)
+        np.testing.assert_allclose((after.pose.position_m - before.pose.position_m) / (2 * h), now.velocity, atol=1e-8)
+        turn = pin.log3(after.pose.rotation @ before.pose.rotation.T) / (2 * h)
+        np.testing.assert_allclose(turn, now.angular_velocity, atol=1e-8)
+        np.testing.assert_allclose((after.velocity - before.velocity) / (2 * h), now.acceleration, atol=1e-8)
+        change = (after.angular_velocity - before.angular_velocity) / (2 * h)
+        np.testing.assert_allclose(change, now.angular_acceleration, atol=1e-7)
+
+
+def test_phases_are_whole_ticks() -> None:
+    phases = phases_of(Cycle(reach_s=5, work_s=6, return_s=5), 0.005)
+    assert [tuple(phase) for phase in phases] == [("reach", 0, 1000), ("work", 1000, 2200), ("return", 2200, 3200)]
+
+
+def test_wrench_cone_is_that_of_forces_at_four_corners() -> None:
+    """A wrench is in the cone if and only if corner forces inside friction pyramids make it up (by LP)."""
+    half_length, half_breadth, friction = 0.13, 0.05, 0.5
+    cone = wrench_cone(half_length, half_breadth, friction)
+    mu = friction / np.sqrt(2)
+    columns, limits = [], []
+    for x in (half_length, -half_length):
+        for y in (half_breadth, -half_breadth):
+            columns.append(np.vstack([np.eye(3), pin.skew(np.array([x, y, 0]))]))
+            limits.append([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
+    grasp = np.hstack(columns)
+    pyramids = np.zeros((16, 12))
+    for i, rows in enumerate(limits):
+        pyramids[4 * i : 4 * i + 4, 3 * i : 3 * i + 3] = rows
+    rng = np.random.default_rng(1)
+    inside = 0
+    for _ in range(400):
+        wrench = rng.normal(size=6) * [0.25, 0.25, 0, 0.04, 0.1, 0.06] + [0, 0, 1, 0, 0, 0]
+        feasible = linprog(np.zeros(12), pyramids, np.zeros(16), grasp, wrench, bounds=(None, None)).status == 0
+        assert (cone @ wrench <= 1e-9).all() == feasible
+        inside += feasible
+    assert 40 < inside < 360  # the sample tests both sides
+
+
+def test_a_joint_driven_hard_at_its_limit_never_passes_it() -> None:
+    dt, limit = 0.005, 10.0
+    for start_speed in (0.0, 0.5, 2.0):
+        q, v = np.array([-0.4]), np.array([start_speed])
+        for _ in range(2000):
+            lowest, highest = acceleration_bounds(q, v, np.array([-1.0]), np.array([0.5]), 3.0, limit, 2 * dt)
+            assert lowest <= highest
+            v = v + dt * np.clip(1e3, lowest, highest)
+            q = q + dt * v
+            assert q[0] <= 0.5 + 1e-12 and v[0] <= 3.0 + 1e-12
+        assert q[0] == pytest.approx(0.5, abs=1e-6)
+
+
+def mid_reach(paper: Experiment, index: int) -> _Body:
+    """A body half-way through its reach, at speed, with its references set."""
+    request = reaction_requests(paper)[index].motion
+    body = _Body(request, request.tool.mass_kg)
+    from fatigue_planner.motion.simulator import target_pose
+
+    reach = Reach(body.fist(), target_pose(request.action), request.cycle.reach_s)
+    q, v, dt = body.human.stance.copy(), np.zeros(45), request.controller.time_step_s
+    for tick in range(500):
+        body.state.update(q, v)
+        body.hand.reference = reach.at(tick * dt)
+        result = body.controller.step()
+        assert result is not None
+        v = v + dt * result[0]
+        q = pin.integrate(body.human.model, q, dt * v)
+    body.state.update(q, v)
+    body.hand.reference = reach.at(500 * dt)
+    return body
+
+
+@pytest.mark.parametrize("index", [0, 3])
+def test_condensed_program_solves_the_papers_program(paper: Experiment, index: int) -> None:
+    """The program with the torques as variables (Eq. 3 as printed), by another solver, agrees."""
+    body = mid_reach(paper, index)
+    result = body.controller.step()
+    assert result is not None
+    acceleration, wrench, torque = result
+    program, nv, nj = body.controller.program, 45, 39
+    # unknowns (tau, a, w): the condensed program's rows and costs, its torque rows replaced
+    torque_rows = slice(18, 18 + nj)
+    T, h = body.controller._torque_map, body.state.nonlinear_effects[6:]
+    D = np.diag(body.controller._torque_scale)
+    H = np.zeros((nj + nv + 12, nj + nv + 12))
+    H[:nj, :nj] = D
+    H[nj:, nj:] = program.H - T.T @ D @ T
+    g = np.concatenate([np.zeros(nj), program.g - T.T @ D @ h])
+    A = np.hstack([np.zeros((program.A.shape[0], nj)), program.A])
+    A[torque_rows] = np.hstack([np.eye(nj), -T])
+    row_lower, row_upper = program.row_lower.copy(), program.row_upper.copy()
+    lower_torque, upper_torque = row_lower[torque_rows] + h, row_upper[torque_rows] + h
+    row_lower[torque_rows] = row_upper[torque_rows] = h
+    solver = ca.conic("full", "qpoases", {"h": ca.DM(H).sparsity(), "a": ca.DM(A).sparsity()}, {"printLevel": "none"})
+    solution = solver(
+        h=H, g=g, a=A, lba=row_lower, uba=row_upper,
+        lbx=np.concatenate([lower_torque, program.lower]), ubx=np.concatenate([upper_torque, program.upper]),
+    )["x"].full().ravel()  # fmt: skip
+    np.testing.assert_allclose(solution[:nj], torque, atol=1e-5)
+    np.testing.assert_allclose(solution[nj : nj + nv], acceleration, atol=1e-5)
+    np.testing.assert_allclose(solution[nj + nv :], wrench, atol=1e-4)
+
+
+@pytest.mark.parametrize("index", range(4))
+def test_solution_is_optimal(paper: Experiment, index: int) -> None:
+    """Feasible, and no admissible direction goes downhill (stationarity by least squares multipliers)."""
+    body = mid_reach(paper, index)
+    result = body.controller.step()
+    assert result is not None
+    x = np.concatenate(result[:2])
+    p = body.controller.program
+    rows = np.vstack([p.A, np.eye(len(x))])
+    lower, upper = np.concatenate([p.row_lower, p.lower]), np.concatenate([p.row_upper, p.upper])
+    values = rows @ x
+    assert (values >= lower - 1e-6).all() and (values <= upper + 1e-6).all()
+    gradient = p.H @ x + p.g
+    at_upper, at_lower = values > upper - 1e-6, values < lower + 1e-6
+    bounds = [(None, None) if a and b else ((0, None) if a else ((None, 0) if b else (0, 0)))
+              for a, b in zip(at_upper, at_lower, strict=True)]  # fmt: skip
+    multipliers = linprog(
+        np.zeros(len(rows)), A_ub=np.vstack([rows.T, -rows.T]),
+        b_ub=np.concatenate([-gradient, gradient]) + 1e-5 * np.abs(gradient).max(), bounds=bounds,
+    )  # fmt: skip
+    assert multipliers.status == 0
+
+
+def test_every_stored_motion_keeps_its_bars(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    requests = {request.name: request for request in reaction_requests(paper)}
+    for reaction in reactions:
+        quality = measure(requests[reaction.name].motion, reaction.motion)
+        assert quality == reaction.quality
+        assert quality.equation_of_motion_nm <= 1e-8
+        for violation in (
+            quality.friction_violation_n, quality.unilateral_violation_n, quality.torque_violation_nm,
+            quality.position_violation_rad, quality.velocity_violation_radps, quality.centre_of_pressure_violation_m,
+        ):  # fmt: skip
+            assert violation <= 1e-6
+        assert quality.work_hand_error_m <= 0.01 and quality.foot_displacement_m <= 0.001
+
+
+def test_motions_are_consistent_and_return_to_the_stance(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    model = build_human(paper.worker, paper.tool.mass_kg).model
+    for reaction in reactions:
+        motion = reaction.motion
+        assert len(motion.torque_nm) == round(16 / motion.time_step_s)
+        for tick in range(0, len(motion.torque_nm) - 1, 97):
+            v = motion.velocity[tick] + motion.time_step_s * motion.acceleration[tick]
+            q = pin.integrate(model, motion.configuration[tick], motion.time_step_s * v)
+            np.testing.assert_allclose(v, motion.velocity[tick + 1], atol=1e-12)
+            np.testing.assert_allclose(q, motion.configuration[tick + 1], atol=1e-12)
+        assert np.abs(motion.configuration[-1, 7:] - motion.configuration[0, 7:]).max() < np.radians(1)
+
+
+def test_the_preferences_do_what_they_say(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """For each object pose the arm reaction bends the back less, the back reaction lifts the arm less."""
+    human = build_human(paper.worker)
+    data = human.model.createData()
+    tilt: dict[tuple[str, str, str], float] = {}
+    for reaction in reactions:
+        work = reaction.motion.phase("work")
+        pin.framesForwardKinematics(human.model, data, reaction.motion.configuration[(work.start + work.stop) // 2])
+        for segment in ("thorax", "right_upper_arm"):
+            upright = data.oMf[human.model.getFrameId(segment)].rotation[2, 2]
+            tilt[reaction.name.action, reaction.name.preference, segment] = np.degrees(np.arccos(upright))
+    for action in ("high", "low"):
+        assert tilt[action, "back", "right_upper_arm"] < tilt[action, "arm", "right_upper_arm"] - 5
+    assert tilt["low", "arm", "thorax"] < tilt["low", "back", "thorax"]
+
+
+def test_torques_are_in_the_literatures_bands(reactions: tuple[Reaction, ...]) -> None:
+    """High target: 25-35 N.m hand-calculated at the shoulder; low: 100-200 N.m at L5/S1 (dynamics included)."""
+    from fatigue_planner.human.model import joint_index
+
+    by_name = {str(reaction.name): reaction.motion for reaction in reactions}
+    high = by_name["high/arm"]
+    shoulder = high.torque_nm[high.phase("work"), joint_index("right_shoulder_flexion")].mean()
+    assert 25 < shoulder < 40
+    for name in ("low/arm", "low/back"):
+        motion = by_name[name]
+        assert 100 < -motion.torque_nm[motion.phase("work"), joint_index("lumbar_flexion")].mean() < 200
+
+
+def test_tool_only_during_work_loads_the_hand_only_then(paper: Experiment) -> None:
+    request = reaction_requests(paper)[0].motion
+    from dataclasses import replace
+
+    from fatigue_planner.human.model import joint_index
+
+    short = Cycle(reach_s=1.0, work_s=0.5, return_s=1.0)
+    motion = simulate(replace(request, cycle=short, tool=request.tool.model_copy(update={"held": "work"})))
+    assert (
+        measure(
+            replace(request, cycle=short, tool=request.tool.model_copy(update={"held": "work"})), motion
+        ).equation_of_motion_nm
+        < 1e-8
+    )
+    deviation = motion.torque_nm[:, joint_index("right_wrist_deviation")]
+    work = motion.phase("work")
+    assert deviation[work.start + 1] - deviation[work.start - 1] > 3  # 5 kg, 8.7 cm beyond the wrist
+
+
+def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    from dataclasses import replace
+
+    request = reaction_requests(paper)[0]
+    torque = reactions[0].motion.torque_nm.copy()
+    torque[7, 3] = np.nan
+    faults = measure(request.motion, replace(reactions[0].motion, torque_nm=torque)).faults(paper.accuracy)
+    assert any("equation_of_motion" in fault for fault in faults)
+
+
+def test_an_unsolvable_program_fails_with_time_and_advice(paper: Experiment) -> None:
+    from dataclasses import replace
+
+    request = reaction_requests(paper)[2].motion
+    weak = request.controller.model_copy(update={"torque_limit_factor": 0.02})
+    with pytest.raises(FailedMotionError, match=r"no admissible movement at t = 0\.\d\d s \(reach\).*lighter"):
+        simulate(replace(request, controller=weak))
+
+
+def test_the_second_solver_takes_over(paper: Experiment, monkeypatch: pytest.MonkeyPatch) -> None:
+    body = mid_reach(paper, 1)
+    expected = body.controller.step()
+    monkeypatch.setattr(body.controller.program, "solve", lambda: None)
+    result = body.controller.step()
+    assert expected is not None and result is not None
+    np.testing.assert_allclose(result[2], expected[2], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["H", "A", "g", "row_upper", "lower"])
+def test_not_finite_data_are_refused_before_solving(name: str) -> None:
+    program = QuadraticProgram(2, 1, "daqp")
+    program.H[:], program.A[:] = np.eye(2), 1
+    program.g[:], program.lower[:], program.upper[:] = [-1, -2], -np.inf, np.inf
+    program.row_lower[:], program.row_upper[:] = -np.inf, 1
+    np.testing.assert_allclose(program.solve(), [0, 1], atol=1e-9)
+    getattr(program, name).flat[0] = np.nan
+    assert program.solve() is None
+
+
+def test_an_infeasible_program_has_no_solution(capfd: pytest.CaptureFixture[str]) -> None:
+    for solver in ("daqp", "qpoases"):
+        program = QuadraticProgram(1, 1, solver)
+        program.H[:], program.A[:], program.lower[:], program.upper[:] = 1, 1, 0, 1
+        program.row_lower[:], program.row_upper[:] = 2, 3
+        assert program.solve() is None
+    assert capfd.readouterr().out == ""  # solvers do not talk

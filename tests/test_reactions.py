@@ -1,0 +1,163 @@
+"""The reaction cache: published whole, checked on reading, found again, made anew only where it matters."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from fatigue_planner.errors import DamagedFileError, MissingLibraryError
+from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.library import ARRAYS, read_library, write_library
+from fatigue_planner.reactions.reaction import Reaction
+
+
+@pytest.fixture
+def brief(paper: Experiment) -> Experiment:
+    """The paper's experiment with one quick action and preference."""
+    return paper.model_copy(
+        update={
+            "cycle": Cycle(reach_s=1.0, work_s=0.2, return_s=1.0),
+            "actions": {"high": paper.actions["high"]},
+            "preferences": {"arm": paper.preferences["arm"]},
+            "controller": paper.controller.model_copy(update={"time_step_s": 0.01}),
+            "accuracy": paper.accuracy.model_copy(update={"hand_error_m": 0.05}),
+        }
+    )
+
+
+def complete(experiment: Experiment, folder: Path):
+    cache = ReactionCache(folder)
+    path, outcomes = cache.complete(experiment.name, reaction_requests(experiment), 1, lambda _: None)
+    return cache, path, outcomes
+
+
+def test_library_describes_itself(cache_folder: Path) -> None:
+    (path,) = cache_folder.glob("*.h5")
+    with h5py.File(path) as file:
+        assert [name.decode() for name in file["degrees_of_freedom"]] == list(DEGREES_OF_FREEDOM)
+        assert {"format", "format_version", "digest", "versions"} <= set(file.attrs)
+        group = file["reactions/high/arm"]
+        assert {"digest", "settings", "quality", "time_step_s", "content_sha256"} <= set(group.attrs)
+        assert [name.decode() for name in group["phases"]] == ["reach", "work", "return"]
+        for name in ARRAYS:
+            assert group[name].attrs["units"] and group[name].attrs["columns"] and group[name].fletcher32
+
+
+def test_library_comes_back_as_it_was(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+    write_library(tmp_path / "copy.h5", reactions[:2])
+    for written, read in zip(reactions[:2], read_library(tmp_path / "copy.h5"), strict=True):
+        assert (written.name, written.digest, written.settings) == (read.name, read.digest, read.settings)
+        for name in ARRAYS:
+            np.testing.assert_array_equal(getattr(written.motion, name), getattr(read.motion, name))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["copy.h5"]
+
+
+def test_second_run_finds_everything(brief: Experiment, tmp_path: Path) -> None:
+    _, path, first = complete(brief, tmp_path)
+    before = path.read_bytes()
+    _, again, second = complete(brief, tmp_path)
+    assert [outcome.found for outcome in first] == [False] and [outcome.found for outcome in second] == [True]
+    assert again == path and path.read_bytes() == before
+
+
+def test_unfinished_work_is_taken_up(brief: Experiment, tmp_path: Path) -> None:
+    """A reaction that an interrupted run left in partial/ is found, not simulated again."""
+    _, path, _ = complete(brief, tmp_path)
+    (tmp_path / "partial").mkdir(exist_ok=True)
+    path.rename(tmp_path / "partial" / "left.h5")
+    _, path, outcomes = complete(brief, tmp_path)
+    assert outcomes[0].found and path.exists()
+
+
+def test_settings_that_matter_make_a_new_entry_and_others_do_not(paper: Experiment) -> None:
+    def digest(experiment: Experiment) -> str:
+        return reaction_requests(experiment)[0].digest()
+
+    def changed(**update: object) -> Experiment:
+        return paper.model_copy(update=update)
+
+    same = digest(paper)
+    settings = paper.controller
+    different = [
+        changed(worker=paper.worker.model_copy(update={"height_m": 1.76})),
+        changed(worker=paper.worker.model_copy(update={"strength": "average_woman"})),
+        changed(tool=paper.tool.model_copy(update={"mass_kg": 4.0})),
+        changed(tool=paper.tool.model_copy(update={"held": "work"})),
+        changed(cycle=Cycle(reach_s=4.0, work_s=6.0, return_s=5.0)),
+        changed(controller=settings.model_copy(update={"time_step_s": 0.01})),
+        changed(controller=settings.model_copy(update={"solver": "qpoases"})),
+        changed(accuracy=paper.accuracy.model_copy(update={"hand_error_m": 0.02})),
+        changed(actions={"high": paper.actions["low"]}),
+        changed(preferences={"arm": paper.preferences["back"]}),
+    ]
+    assert len({same, *map(digest, different)}) == len(different) + 1
+    unimportant = [changed(discount=0.5), changed(name="other"), changed(significance_level=0.01),
+                   changed(fatigue=paper.fatigue.model_copy(update={"threshold": 0.2}))]  # fmt: skip
+    assert {digest(experiment) for experiment in unimportant} == {same}
+
+
+def test_inaccurate_motion_is_reported_and_never_kept(brief: Experiment, tmp_path: Path) -> None:
+    strict = brief.model_copy(update={"accuracy": brief.accuracy.model_copy(update={"hand_error_m": 1e-7})})
+    _, path, outcomes = complete(strict, tmp_path)
+    assert outcomes[0].reaction is None and "out of reach" in outcomes[0].failure
+    assert not path.exists() and not list(tmp_path.rglob("*.h5"))
+
+
+@pytest.mark.parametrize("position", [0.02, 0.3, 0.6, 0.95])
+def test_flipped_bit_is_noticed_set_aside_and_mended(brief: Experiment, tmp_path: Path, position: float) -> None:
+    _, path, _ = complete(brief, tmp_path)
+    intact = read_library(path)
+    data = bytearray(path.read_bytes())
+    # a byte that is used: HDF5 leaves gaps between its structures
+    place = next(i for i in range(int(position * len(data)), len(data)) if data[i])
+    data[place] ^= 0x10
+    path.write_bytes(bytes(data))
+    try:
+        assert read_library(path)[0].digest == intact[0].digest
+    except DamagedFileError:
+        cache, again, outcomes = complete(brief, tmp_path)
+        assert len(cache.damaged) == 1 and "set aside" in cache.damaged[0]
+        assert not outcomes[0].found and read_library(again)[0].digest == intact[0].digest
+
+
+@pytest.mark.parametrize("damage", [b"", b"no HDF5", None])
+def test_truncated_or_foreign_file_is_one_clear_error(
+    paper: Experiment, cache_folder: Path, tmp_path: Path, damage: bytes | None
+) -> None:
+    (source,) = cache_folder.glob("*.h5")
+    path = tmp_path / source.name
+    shutil.copy(source, path)
+    path.write_bytes(path.read_bytes()[:100_000] if damage is None else damage)
+    with pytest.raises(DamagedFileError, match=r"fatplan simulate somewhere\.yaml"):
+        load_reactions(paper, Path("somewhere.yaml"), tmp_path)
+
+
+def test_altered_data_behind_a_valid_checksum_are_noticed(cache_folder: Path, tmp_path: Path) -> None:
+    (source,) = cache_folder.glob("*.h5")
+    path = tmp_path / source.name
+    shutil.copy(source, path)
+    with h5py.File(path, "r+") as file:
+        file["reactions/low/back/torque_nm"][5, 5] += 1e-9
+    with pytest.raises(DamagedFileError, match="low/back does not match its hash"):
+        read_library(path)
+
+
+def test_reactions_of_other_settings_under_this_name_are_refused(
+    paper: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path
+) -> None:
+    path = ReactionCache(tmp_path).path(paper.name, reaction_requests(paper))
+    write_library(path, [replace(reactions[0], digest="0" * 64), *reactions[1:]])
+    with pytest.raises(DamagedFileError, match="made with other settings"):
+        load_reactions(paper, Path("p.yaml"), tmp_path)
+
+
+def test_missing_library_names_the_command(paper: Experiment, tmp_path: Path) -> None:
+    with pytest.raises(MissingLibraryError, match=r"Run `fatplan simulate p\.yaml` first"):
+        load_reactions(paper, Path("p.yaml"), tmp_path)
