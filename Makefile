@@ -49,7 +49,8 @@ test-all: lint
 	$(BIN)/pytest -m ''
 
 bench: $(VENV)/.development
-	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/gains.py
 
 clean:
 	rm -rf $(VENV)

@@ -41,8 +41,8 @@ def figures(
         figure = returns_figure(comparison, conditions, list(settings.benchmark.policies))
         files += save_figure(folder, name, figure, comparison[comparison["condition"].isin(conditions)])
     human = build_human(settings.worker, settings.tool.mass_kg)
-    files += save_figure(folder, "reactions", *posture_figure(human, reactions))
     parameters = fatigue_parameters(settings.fatigue, settings.worker.strength)
+    files += save_figure(folder, "reactions", *posture_figure(human, reactions, parameters))
     files += save_figure(folder, "torques", *torque_figure(reactions, parameters))
     configuration = {"reactions": {str(reaction.name): reaction.digest for reaction in reactions}}
     publish_manifest(folder, "figures", configuration, files)

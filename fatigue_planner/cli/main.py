@@ -47,29 +47,32 @@ def _options(
     pass
 
 
-class Terminated(BaseException):
-    """SIGTERM, raised where the program is, so that it leaves as on Ctrl-C."""
+class Stopped(BaseException):
+    """SIGINT or SIGTERM, raised where the program is, so that it leaves in good order."""
+
+    def __init__(self, signal_number: int) -> None:
+        super().__init__(signal_number)
+        self.exit_code = ExitCode.INTERRUPTED if signal_number == signal.SIGINT else ExitCode.TERMINATED
 
 
-def _terminate(_signal: int, _frame: FrameType | None) -> None:
-    raise Terminated
+def _stop(signal_number: int, _frame: FrameType | None) -> None:
+    raise Stopped(signal_number)
 
 
 def run() -> None:
     """Run the command line; every mistake of the user ends in one message and its exit code."""
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
-    signal.signal(signal.SIGTERM, _terminate)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _stop)
     try:
-        app(standalone_mode=True)
+        app()
     except FatplanError as error:
         errors.print(f"[red]Error:[/red] {_escaped(str(error))}")
         sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        errors.print("Interrupted. What is finished is kept; the same command goes on from there.")
-        sys.exit(ExitCode.INTERRUPTED)
-    except Terminated:
-        errors.print("Terminated. What is finished is kept; the same command goes on from there.")
-        sys.exit(ExitCode.TERMINATED)
+    except Stopped as stopped:
+        errors.print("Stopped. What is finished is kept; the same command goes on from there.")
+        sys.exit(stopped.exit_code)
 
 
 def _escaped(text: str) -> str:

@@ -5,13 +5,17 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from fatigue_planner.fatigue.cycle_map import loads
-from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
-from fatigue_planner.figures.stick_figure import draw_human, set_view
+from fatigue_planner.fatigue.parameters import DIRECTIONS, ENTRIES, FatigueParameters
+from fatigue_planner.figures.human_drawing import FRONT, SIDE, draw_human, draw_joint_loads, landmarks
 from fatigue_planner.figures.style import COLOURS, new_figure, words
 from fatigue_planner.human.model import Human
+from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.reactions.reaction import Reaction
+
+Vector = NDArray[np.float64]
 
 
 def mid_work(reaction: Reaction) -> int:
@@ -20,21 +24,40 @@ def mid_work(reaction: Reaction) -> int:
     return int(work.start + work.stop) // 2
 
 
-def posture_figure(human: Human, reactions: Sequence[Reaction]) -> tuple[Figure, pd.DataFrame]:
-    """Every reaction at mid-work, and the positions of all body landmarks as data."""
-    figure = new_figure(2.3 * len(reactions), 3.4)
+def posture_figure(
+    human: Human, reactions: Sequence[Reaction], parameters: FatigueParameters
+) -> tuple[Figure, pd.DataFrame]:
+    """Every reaction at mid-work from two sides, joints coloured by load; landmarks and loads as data."""
+    figure = new_figure(1.85 * len(reactions), 5.2)
+    axes = figure.subplots(2, len(reactions), squeeze=False)
     rows = []
-    ground = np.array([[-0.25, -0.3], [0.3, -0.3], [0.3, 0.3], [-0.25, 0.3], [-0.25, -0.3]])
-    for place, reaction in enumerate(reactions, start=1):
-        axes = figure.add_subplot(1, len(reactions), place, projection="3d")
-        axes.plot(ground[:, 0], ground[:, 1], np.zeros(len(ground)), color="0.8", linewidth=0.8)
-        points = draw_human(axes, human, reaction.motion.configuration[mid_work(reaction)])
-        set_view(axes)
-        axes.set_title(f"{words(reaction.name.action)}, {words(reaction.name.preference)} reaction")
+    for column, reaction in enumerate(reactions):
+        tick = mid_work(reaction)
+        points = landmarks(human, reaction.motion.configuration[tick])
+        shares = joint_shares(loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm)
+        for row, view in enumerate((SIDE, FRONT)):
+            draw_human(axes[row, column], human, points, view)
+            discs = draw_joint_loads(axes[row, column], points, shares, view)
+        axes[0, column].set_title(f"{words(reaction.name.action)}, {words(reaction.name.preference)} reaction")
+        share_at = {joint.child: shares[joint.name] for joint in JOINTS}
         for landmark, position in points.items():
-            rows.append({"action": reaction.name.action, "preference": reaction.name.preference, "landmark": landmark}
-                        | dict(zip(("x_m", "y_m", "z_m"), position, strict=True)))  # fmt: skip
+            rows.append(
+                {"action": reaction.name.action, "preference": reaction.name.preference, "landmark": landmark}
+                | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
+                | {"share_of_maximum": share_at.get(landmark, np.nan)}
+            )
+    label = "largest load at the joint, % of the maximum torque"
+    figure.colorbar(discs, ax=list(axes[1]), location="bottom", shrink=0.5, aspect=40, label=label)
     return figure, pd.DataFrame(rows)
+
+
+def joint_shares(share: Vector) -> dict[str, float]:
+    """Largest share of strength in any degree of freedom and direction of each compound joint; share (78,)."""
+    by_entry = dict(zip(ENTRIES, share, strict=True))
+    return {
+        joint.name: max(by_entry[f"{dof.name}:{way}"] for dof in joint.degrees_of_freedom for way in DIRECTIONS)
+        for joint in JOINTS
+    }
 
 
 def torque_table(reactions: Sequence[Reaction], parameters: FatigueParameters) -> pd.DataFrame:
@@ -79,7 +102,10 @@ def torque_figure(reactions: Sequence[Reaction], parameters: FatigueParameters) 
         axes.axvline(threshold, color="0.3", linewidth=0.8, linestyle="--")
     axes.set_yticks(range(len(entries)), [_entry_label(entry) for entry in entries])
     axes.invert_yaxis()
-    axes.set_xlabel("mean load during work, % of the maximum torque (dashed: threshold of fatigue)")
+    axes.set_xlabel(
+        "mean load during work, % of the maximum torque (dashed: threshold of fatigue)\n"
+        "+ flexion, right bend, left or inward turn, abduction, thumb side; − the opposite"
+    )
     axes.legend(frameon=False, loc="lower right")
     return figure, table
 
