@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
+_TINY = 1e-300  # keeps from dividing by a room of zero, where another bound is taken
+
 
 def acceleration_bounds(
     position: Vector,
@@ -25,27 +27,28 @@ def acceleration_bounds(
     `position` and `velocity` (n,) are the joints' state, `lower` and `upper` (n,) their range,
     `window_s` the look-ahead. Where the bounds contradict each other the lower one gives way.
     """
-    highest = _upper_bound(position, velocity, upper, velocity_limit, acceleration_limit, window_s)
-    lowest = -_upper_bound(-position, -velocity, -lower, velocity_limit, acceleration_limit, window_s)
-    return np.minimum(lowest, highest), highest
+    n = position.size
+    # a lower limit is an upper one seen in the mirror: both sides in one go
+    outward = np.concatenate([velocity, -velocity])
+    room = np.concatenate([upper - position, position - lower])
+    bounds = _upper_bound(room, outward, velocity_limit, acceleration_limit, window_s)
+    highest = bounds[:n]
+    return np.minimum(-bounds[n:], highest), highest
 
 
-def _upper_bound(
-    position: Vector, velocity: Vector, upper: Vector, velocity_limit: float, acceleration_limit: float, dt: float
-) -> Vector:
-    room = upper - position
-    stop_now = -velocity / dt
+def _upper_bound(room: Vector, velocity: Vector, velocity_limit: float, acceleration_limit: float, dt: float) -> Vector:
+    """Highest acceleration (m,) with `room` left to the upper limit."""
+    stop_now = velocity * (-1 / dt)
+    ahead = room - dt * velocity
     # position: either still inside after dt, or braking so that the joint stops at the limit
-    inside_after = 2 * (room - dt * velocity) / dt**2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        stop_at_limit = np.where(room > 0, -(velocity**2) / (2 * room), stop_now)
-    moving_out = velocity > 0
-    by_position = np.where(moving_out & (inside_after <= stop_now), np.minimum(stop_now, stop_at_limit), inside_after)
+    inside_after = ahead * (2 / dt**2)
+    stop_at_limit = np.where(room > 0, velocity**2 / np.minimum(-2 * room, -_TINY), stop_now)
+    braking = (velocity > 0) & (inside_after <= stop_now)
+    by_position = np.where(braking, np.minimum(stop_now, stop_at_limit), inside_after)
     # viability: after dt the joint can still stop before the limit with the acceleration limit
-    b = 2 * dt * velocity + acceleration_limit * dt**2
-    c = velocity**2 - 2 * acceleration_limit * (room - dt * velocity)
-    discriminant = b**2 - 4 * dt**2 * c
-    root = (-b + np.sqrt(np.maximum(discriminant, 0))) / (2 * dt**2)
+    b = (2 * dt) * velocity + acceleration_limit * dt**2
+    discriminant = b**2 - (4 * dt**2) * (velocity**2 - 2 * acceleration_limit * ahead)
+    root = (np.sqrt(np.maximum(discriminant, 0)) - b) / (2 * dt**2)
     by_viability = np.where(discriminant >= 0, np.maximum(stop_now, root), stop_now)
-    by_velocity = (velocity_limit - velocity) / dt
-    return np.minimum(np.minimum(by_position, by_viability), np.minimum(by_velocity, acceleration_limit))
+    by_speed = np.minimum((velocity_limit - velocity) / dt, acceleration_limit)
+    return np.minimum(np.minimum(by_position, by_viability), by_speed)

@@ -17,7 +17,7 @@ from fatigue_planner.motion.minimum_jerk import MovingPose
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-UP: Vector = np.array([0.0, 0.0, 1.0])
+_IDENTITY: Matrix = np.eye(3)
 
 
 class Task(ABC):
@@ -98,9 +98,9 @@ class SegmentUprightTask(Task):
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
         axis = state.placement(self.frame).rotation[:, 2]
-        across = np.eye(3) - np.outer(axis, axis)
-        angular_velocity = state.twist(self.frame)[3:]
-        desired = self.stiffness * np.cross(axis, UP) - self.damping * angular_velocity
+        across = _IDENTITY - axis[:, None] * axis
+        error = np.array([axis[1], -axis[0], 0.0])  # axis x up
+        desired = self.stiffness * error - self.damping * state.twist(self.frame)[3:]
         jacobian[:] = across @ state.jacobian(self.frame)[3:]
         target[:] = across @ (desired - state.drift(self.frame)[3:])
 
