@@ -11,6 +11,7 @@ from rich.console import Console
 from fatigue_planner import __version__
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.figures import figures
+from fatigue_planner.cli.human import app as human
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.errors import ExitCode, FatplanError
 
@@ -30,6 +31,7 @@ app = typer.Typer(
 app.command(epilog=EXIT_CODES)(simulate)
 app.command(epilog=EXIT_CODES)(benchmark)
 app.command(epilog=EXIT_CODES)(figures)
+app.add_typer(human, name="human", epilog=EXIT_CODES)
 
 
 def _show_version(wanted: bool) -> None:
