@@ -17,7 +17,8 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import build_human, joint_index
-from fatigue_planner.motion.simulator import Motion, MotionRequest, simulate
+from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.simulator import MotionRequest, simulate
 
 PAPER = Path(__file__).parents[1] / "experiments" / "paper.yaml"
 # (hand, segment and centre of mass, posture); the experiment's own choice first

@@ -169,9 +169,11 @@ def test_every_stored_motion_keeps_its_bars(paper: Experiment, reactions: tuple[
         for violation in (
             quality.friction_violation_n, quality.unilateral_violation_n, quality.torque_violation_nm,
             quality.position_violation_rad, quality.velocity_violation_radps, quality.centre_of_pressure_violation_m,
+            quality.centre_of_mass_violation_m,
         ):  # fmt: skip
             assert violation <= 1e-6
         assert quality.work_hand_error_m <= 0.01 and quality.foot_displacement_m <= 0.001
+        assert quality.energy_error_share <= 0.01
 
 
 def test_motions_are_consistent_and_return_to_the_stance(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:

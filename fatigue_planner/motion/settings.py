@@ -115,3 +115,4 @@ class Accuracy(Settings):
     equation_of_motion_nm: Positive
     limit_violation: Positive
     foot_displacement_m: Positive
+    energy_error_share: Positive

@@ -1,7 +1,6 @@
 """One cycle of the digital human: reach, work, return."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +12,7 @@ from fatigue_planner.human.model import Human, Tool, Worker, build_human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
 from fatigue_planner.motion.minimum_jerk import Pose, Reach
+from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.settings import Action, Controller, Cycle, Preference
 from fatigue_planner.motion.tasks import CentreOfMassTask, HandTask, PostureTask, SegmentUprightTask
 
@@ -20,38 +20,6 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 PHASES = ("reach", "work", "return")
-
-
-class Phase(NamedTuple):
-    """A part of the cycle, as ticks [start, stop)."""
-
-    name: str
-    start: int
-    stop: int
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A simulated cycle of T ticks; row i is the instant i * time_step_s and holds until the next.
-
-    configuration (T, 46), velocity (T, 45), acceleration (T, 45), torque_nm (T, 39), wrench (T, 12)
-    as in `Human` and `WholeBodyController`; hand_error_m (T,) the distance of the right fist from its
-    reference; foot_displacement_m (T, 2) of the right and left sole from their place.
-    """
-
-    time_step_s: float
-    phases: tuple[Phase, ...]
-    configuration: Matrix
-    velocity: Matrix
-    acceleration: Matrix
-    torque_nm: Matrix
-    wrench: Matrix
-    hand_error_m: Vector
-    foot_displacement_m: Matrix
-
-    def phase(self, name: str) -> slice:
-        """The ticks of a phase."""
-        return next(slice(phase.start, phase.stop) for phase in self.phases if phase.name == name)
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,16 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
+from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.settings import Accuracy
-from fatigue_planner.motion.simulator import Motion, MotionRequest
+from fatigue_planner.motion.simulator import MotionRequest
 
-Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -25,13 +28,15 @@ class Quality:
     torque_violation_nm: float
     position_violation_rad: float
     velocity_violation_radps: float
+    centre_of_mass_violation_m: float
+    energy_error_share: float
     foot_displacement_m: float
     work_hand_error_m: float
 
     def faults(self, required: Accuracy) -> list[str]:
         """What is not fulfilled, in words; empty for a motion that can be used."""
         faults = []
-        if self.work_hand_error_m > required.hand_error_m:
+        if not self.work_hand_error_m <= required.hand_error_m:
             faults.append(
                 f"the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work (allowed: "
                 f"{required.hand_error_m * 100:.1f} cm): out of reach for this worker and preference; bring the "
@@ -40,6 +45,7 @@ class Quality:
         bounds = {
             "equation_of_motion_nm": required.equation_of_motion_nm,
             "foot_displacement_m": required.foot_displacement_m,
+            "energy_error_share": required.energy_error_share,
         }
         for name, value in asdict(self).items():
             allowed = bounds.get(name, required.limit_violation)
@@ -58,9 +64,9 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     bodies = dict.fromkeys(("reach", "work", "return"), with_tool)
     if request.tool.held == "work":
         bodies["reach"] = bodies["return"] = build_human(request.worker)
-    residual = np.concatenate(
-        [_residuals(bodies[phase.name], motion, range(phase.start, phase.stop)) for phase in motion.phases]
-    )
+    # where the tool is taken up or put down, the mass changes and a new run begins
+    runs = motion.phases if request.tool.held == "work" else (Phase("cycle", 0, motion.phases[-1].stop),)
+    replays = [replay(bodies.get(run.name, with_tool), motion, run) for run in runs]
     positive, negative = (
         request.controller.torque_limit_factor * torque for torque in maximum_torques(request.worker.strength)
     )
@@ -75,7 +81,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         np.abs(forces[:, 3]) / pressing - with_tool.sole_half_breadth_m,
     )
     return Quality(
-        equation_of_motion_nm=float(np.abs(residual).max()),
+        equation_of_motion_nm=float(max(np.abs(run.residual_nm).max() for run in replays)),
         friction_violation_n=float((tangential - request.controller.friction_coefficient * normal).max()),
         unilateral_violation_n=float((-normal).max()),
         centre_of_pressure_violation_m=float(off_centre.max()),
@@ -84,21 +90,23 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
             np.maximum(joints - model.upperPositionLimit[7:], model.lowerPositionLimit[7:] - joints).max()
         ),
         velocity_violation_radps=float((np.abs(speeds) - request.controller.velocity_limit_radps).max()),
+        centre_of_mass_violation_m=max(_outside_support(with_tool, run.centre_of_mass_m) for run in replays),
+        energy_error_share=max(energy_error_share(run) for run in replays),
         foot_displacement_m=float(motion.foot_displacement_m.max()),
         work_hand_error_m=float(motion.hand_error_m[motion.phase("work")].max()),
     )
 
 
-def _residuals(human: Human, motion: Motion, ticks: range) -> Vector:
-    """M a + h - S' tau - J' w per tick, (len(ticks), 45)."""
-    model, data = human.model, human.model.createData()
-    soles = [model.getFrameId(f"{side}_sole") for side in ("right", "left")]
-    residual = np.empty((len(ticks), model.nv))
-    for row, tick in enumerate(ticks):
-        q, v, a = motion.configuration[tick], motion.velocity[tick], motion.acceleration[tick]
-        residual[row] = pin.rnea(model, data, q, v, a)
-        residual[row, BASE_DOF:] -= motion.torque_nm[tick]
-        for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
-            jacobian = pin.computeFrameJacobian(model, data, q, sole, pin.ReferenceFrame.LOCAL)
-            residual[row] -= jacobian.T @ wrench
-    return residual
+def _outside_support(human: Human, centre_of_mass_m: Matrix) -> float:
+    """How far the centre of mass leaves the convex hull of both soles, seen from above; <= 0 inside."""
+    data = human.model.createData()
+    pin.framesForwardKinematics(human.model, data, human.stance)
+    length, breadth = human.sole_half_length_m, human.sole_half_breadth_m
+    corners = [
+        data.oMf[human.model.getFrameId(f"{side}_sole")].act(np.array([x, y, 0]))[:2]
+        for side in ("right", "left")
+        for x in (-length, length)
+        for y in (-breadth, breadth)
+    ]
+    planes = ConvexHull(corners).equations
+    return float((centre_of_mass_m[:, :2] @ planes[:, :2].T + planes[:, 2]).max())

@@ -21,7 +21,7 @@ import numpy as np
 from fatigue_planner.errors import DamagedFileError
 from fatigue_planner.files import canonical_json, digest_of, publish
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
-from fatigue_planner.motion.simulator import Motion, Phase
+from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.verification import Quality
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, versions
 

@@ -6,8 +6,9 @@ from importlib.metadata import version
 
 from fatigue_planner.files import digest_of, digest_of_files, digest_of_package
 from fatigue_planner.human.joint_data import strength_path
+from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.settings import Accuracy
-from fatigue_planner.motion.simulator import Motion, MotionRequest
+from fatigue_planner.motion.simulator import MotionRequest
 from fatigue_planner.motion.verification import Quality
 
 # What produces the numbers of a motion besides its settings.

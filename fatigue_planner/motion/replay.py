@@ -1,0 +1,67 @@
+"""Quantities of a stored motion, recomputed by Pinocchio algorithms the controller does not use."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from fatigue_planner.human.model import BASE_DOF, Human
+from fatigue_planner.motion.motion import Motion, Phase
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A run of n ticks with the same body.
+
+    residual_nm (n, 45): M a + h - S' tau - J' w; centre_of_mass_m (n, 3); energy_j (n,): kinetic and
+    potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques and the ground do
+    between a tick and the next, at the mean of both velocities.
+    """
+
+    residual_nm: Matrix
+    centre_of_mass_m: Matrix
+    energy_j: Vector
+    actuator_work_j: Vector
+    contact_work_j: Vector
+
+
+def replay(human: Human, motion: Motion, run: Phase) -> Replay:
+    """Recompute the ticks of a run."""
+    model, data = human.model, human.model.createData()
+    soles = [model.getFrameId(f"{side}_sole") for side in ("right", "left")]
+    ticks = range(run.start, run.stop)
+    residual, centre = np.empty((len(ticks), model.nv)), np.empty((len(ticks), 3))
+    energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
+    velocity = motion.velocity[run.start : run.stop]
+    mean_velocity = (velocity[1:] + velocity[:-1]) / 2
+    for row, tick in enumerate(ticks):
+        q, v = motion.configuration[tick], motion.velocity[tick]
+        residual[row] = pin.rnea(model, data, q, v, motion.acceleration[tick])
+        residual[row, BASE_DOF:] -= motion.torque_nm[tick]
+        pushed = np.zeros(model.nv)
+        for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
+            pushed += pin.computeFrameJacobian(model, data, q, sole, pin.ReferenceFrame.LOCAL).T @ wrench
+        residual[row] -= pushed
+        centre[row] = pin.centerOfMass(model, data, q)
+        energy[row] = pin.computeKineticEnergy(model, data, q, v) + pin.computePotentialEnergy(model, data, q)
+        if row < len(contact_work):
+            contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
+    torque = motion.torque_nm[run.start : run.stop - 1]
+    work = motion.time_step_s * np.einsum("ij,ij->i", torque, mean_velocity[:, BASE_DOF:])
+    return Replay(residual, centre, energy, work, contact_work)
+
+
+def energy_error_share(run: Replay) -> float:
+    """Power balance: |energy change - actuator work - contact work| over the work done, at its worst.
+
+    The error accumulates over the run and is divided by the sum of the absolute work, so that it is
+    a share of what went through the body; it vanishes with the time step (first order).
+    """
+    work = run.actuator_work_j + run.contact_work_j
+    turnover = np.abs(run.actuator_work_j).sum() + np.abs(run.contact_work_j).sum()
+    error = np.abs(run.energy_j[1:] - run.energy_j[0] - np.cumsum(work)).max()
+    return float(error / turnover) if turnover > 0 else 0.0
