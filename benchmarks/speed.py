@@ -68,7 +68,7 @@ def searches(paper: Experiment) -> None:
     """One decision of every search against POMCP's with c = 0.1."""
     requests = reaction_requests(paper)
     ReactionCache(CACHE).complete(paper.name, requests, 2, lambda _: None)
-    reactions = load_reactions(paper, PAPER, CACHE)
+    reactions = load_reactions(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
         model, belief = problem(paper, reactions, paper.benchmark.conditions[condition])
         for settings in paper.benchmark.policies.values():

@@ -6,6 +6,7 @@ anywhere starts a fresh one.
 """
 
 import os
+import tempfile
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -13,16 +14,20 @@ from typing import Any, TypeVar
 
 import numba
 
-from fatigue_planner.files import PACKAGE, digest_of, digest_of_files
+from fatigue_planner.errors import OutputFolderError
+from fatigue_planner.files import DIGEST_LENGTH, PACKAGE, digest_of, digest_of_files, writable_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 def cache_folder() -> Path:
-    """Folder of the compiled kernels of these sources."""
-    root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan"
-    sources = digest_of_files(PACKAGE.rglob("*.py"))
-    return root / digest_of([sources, version("numba")])[:16]
+    """Folder of the compiled kernels of these sources: the user's cache, or a temporary one if it must be."""
+    key = digest_of([digest_of_files(PACKAGE.rglob("*.py")), version("numba")])[:DIGEST_LENGTH]
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan" / key
+    try:
+        return writable_folder(folder)
+    except OutputFolderError:
+        return Path(tempfile.gettempdir()) / f"fatplan-{os.getuid()}" / key
 
 
 numba.config.CACHE_DIR = str(cache_folder())

@@ -51,6 +51,10 @@ class FailedMotionError(FatplanError):
     exit_code = ExitCode.FAILED_PARTS
 
 
+class StaleTableError(FatplanError):
+    """The table of trials was made with other settings than the experiment has now."""
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

@@ -1,5 +1,6 @@
 """Publishing files whole, and digests of what decides a result."""
 
+import contextlib
 import hashlib
 import json
 import os
@@ -12,6 +13,7 @@ from typing import Any
 from fatigue_planner.errors import OutputFolderError
 
 PACKAGE = Path(__file__).parent
+DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file's name
 
 
 def writable_folder(folder: Path) -> Path:
@@ -47,7 +49,8 @@ def publish(path: Path, write: Callable[[Path], object]) -> None:
     except OSError as error:
         raise OutputFolderError(f"{path}: cannot be written ({error.strerror or error}).") from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def _sync_folder(folder: Path) -> None:
@@ -58,6 +61,14 @@ def _sync_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
+def set_aside(path: Path) -> Path:
+    """Rename a damaged file so that it is read no more; returns its new path, never one in use."""
+    number = 1
+    while (aside := path.with_suffix(f".damaged-{number}")).exists():
+        number += 1
+    return path.replace(aside)
+
+
 def publish_text(path: Path, text: str) -> None:
     """Publish a UTF-8 text file (see `publish`)."""
     publish(path, lambda temporary: temporary.write_text(text, encoding="utf-8", newline="\n"))
@@ -65,7 +76,7 @@ def publish_text(path: Path, text: str) -> None:
 
 def canonical_json(value: Any) -> str:
     """The one JSON text of a value: sorted keys, no blanks, shortest round-trip floats."""
-    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
 def digest_of(value: Any) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -48,5 +49,6 @@ def run_parallel(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Itera
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException:
+            print("Stopping after the work in progress (once more to stop at once) ...", file=sys.stderr)
             pool.shutdown(wait=True, cancel_futures=True)
             raise

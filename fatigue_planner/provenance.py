@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fatigue_planner import __version__
+from fatigue_planner.errors import DamagedFileError
 from fatigue_planner.files import publish_text
 
 MANIFEST_FILE = "manifest.json"
@@ -32,4 +33,21 @@ def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any
         manifest = {}
     hashes = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
     manifest[made_by] = {"versions": versions(), **configuration, "sha256": hashes}
-    publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False) + "\n")
+    publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def check_manifest(folder: Path, made_by: str, file: str, command: str) -> Mapping[str, Any]:
+    """What a command noted of a file when it made it.
+
+    Raises DamagedFileError if there is no such note or the file is not what was written then.
+    """
+    try:
+        note = json.loads((folder / MANIFEST_FILE).read_text(encoding="utf-8"))[made_by]
+        intact = note["sha256"][file] == hashlib.sha256((folder / file).read_bytes()).hexdigest()
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DamagedFileError(
+            f"{folder / MANIFEST_FILE}: does not say how {file} was made. Run `{command}`."
+        ) from error
+    if not intact:
+        raise DamagedFileError(f"{folder / file}: is not what was written; it was altered or damaged. Run `{command}`.")
+    return dict(note)

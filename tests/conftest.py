@@ -30,4 +30,4 @@ def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture(scope="session")
 def reactions(paper: Experiment, cache_folder: Path) -> tuple[Reaction, ...]:
-    return load_reactions(paper, PAPER, cache_folder)
+    return load_reactions(paper, cache_folder, "fatplan simulate")

@@ -17,7 +17,7 @@ from fatigue_planner.benchmark.grid import Cell, choose
 from fatigue_planner.benchmark.runner import run_cell, run_grid
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.streams import stream
-from fatigue_planner.benchmark.table import KEY, OUTCOMES, publish_table, read_table, trial_table
+from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, read_table, trial_table
 from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
 from fatigue_planner.experiment.resolve import problem
@@ -92,20 +92,23 @@ def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell])
     assert abs(np.corrcoef(planner, chance)[0, 1]) < 5 / np.sqrt(1000)  # false alarm 6e-7
 
 
-def test_novices_choose_evenly() -> None:
-    """Binomial test over the world's draws; false alarm 1e-6."""
-    draws = np.concatenate([draw_world(2023, "single_novice", 100, trial).preference for trial in range(100)])
-    from scipy.stats import binomtest
+def test_novices_choose_evenly_and_start_with_the_initial_probabilities(cells: list[Cell]) -> None:
+    """Reactions and starts counted from what runs came to; binomial and chi-square, false alarm 1e-6 each."""
+    from scipy.stats import binomtest, chisquare
 
-    assert binomtest(int((draws < 0.5).sum()), 10_000).pvalue > 1e-6
-
-
-def test_start_is_drawn_with_the_initial_probabilities() -> None:
-    from scipy.stats import chisquare
-
-    starts = np.array([draw_world(2023, "multiple_novice", 100, trial).start for trial in range(3000)])
-    counts = np.histogram(starts, [0, 0.2, 0.6, 1])[0]
-    assert chisquare(counts, [600, 1200, 1200]).pvalue > 1e-6
+    cell = next(cell for cell in cells if cell.condition == "multiple_novice")
+    model = cell.model
+    after = np.array([model.next_fatigue(state, 0) for state in cell.initial.states])  # start, preference, entry
+    costs = model.cost(after)
+    assert len(set(costs.ravel())) == costs.size  # the cost tells which start and preference it was
+    seen = np.zeros(costs.shape, dtype=int)
+    for trial in range(3000):
+        world = draw_world(2023, cell.condition, 1, trial)
+        result = run_trial(model, cell.initial, Fixed(model, 0), 1, world, np.random.default_rng(0))
+        seen[costs == result.final_cost] += 1
+    assert seen.sum() == 3000
+    assert binomtest(int(seen[:, 0].sum()), 3000).pvalue > 1e-6
+    assert chisquare(seen.sum(axis=1), [600, 1200, 1200]).pvalue > 1e-6
 
 
 def test_what_is_deterministic_is_run_once(cells: list[Cell]) -> None:
@@ -170,7 +173,7 @@ def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Pa
     intact = json.loads(part.read_text())["trials"]
     part.write_text(damage)
     results, warnings = run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
-    assert len(warnings) == 1 and "set aside" in warnings[0] and part.with_suffix(".damaged").exists()
+    assert len(warnings) == 1 and "set aside" in warnings[0] and part.with_suffix(".damaged-1").exists()
     assert results[0][0].discounted_return == intact[0]["discounted_return"]
 
 
@@ -187,7 +190,7 @@ def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Pat
         store = TrialStore(tmp_path)
         store.load(cells[0])
         assert len(store.warnings) == 1, place
-        part.with_suffix(".damaged").unlink()
+        part.with_suffix(".damaged-1").unlink()
 
 
 def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell], tmp_path: Path) -> None:
@@ -202,11 +205,11 @@ def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell]
 
 def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path) -> None:
     with pytest.raises(MissingTableError, match="fatplan benchmark"):
-        read_table(tmp_path)
+        read_table(tmp_path, "fatplan benchmark")
     results, _ = run_grid(cells[:2], tmp_path / "parts", 1, lambda cell, n: None)
     publish_table(tmp_path, trial_table(cells[:2], results))
-    table = read_table(tmp_path)
-    assert list(table.columns) == KEY + OUTCOMES and len(table) == 24
+    table = read_table(tmp_path, "fatplan benchmark")
+    assert list(table.columns) == [*KEY, SAME, *OUTCOMES] and len(table) == 24
     path = tmp_path / "trials.csv"
     lines = path.read_text().splitlines()
     for bad in (
@@ -216,7 +219,7 @@ def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path)
     ):
         path.write_text("\n".join(bad) + "\n")
         with pytest.raises(DamagedFileError):
-            read_table(tmp_path)
+            read_table(tmp_path, "fatplan benchmark")
 
 
 def test_choose_names_what_is_not_there() -> None:
@@ -239,17 +242,21 @@ def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path
     ]
     folders = ["--cache", str(cache_folder), "--results"]
     undisturbed, disturbed = tmp_path / "undisturbed", tmp_path / "disturbed"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "env": os.environ | {"COLUMNS": "80"}}
-    begin = time.monotonic()
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     subprocess.run([*command, *folders, str(undisturbed)], check=True, **quiet)
-    duration = time.monotonic() - begin
-    moments = random.Random(5)
-    for _ in range(3):
+    kept = []
+    for enough in (3, 11, 23):  # parts on disk when the blow falls
         process = subprocess.Popen([*command, *folders, str(disturbed)], start_new_session=True, **quiet)
-        time.sleep(moments.uniform(0.5, 1.0) * duration)
+        while process.poll() is None and len(list(disturbed.glob("*/parts/*/[0-9]*.json"))) < enough:
+            time.sleep(0.005)
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
+        kept.append({path: path.read_bytes() for path in disturbed.glob("*/parts/*/[0-9]*.json")})
     subprocess.run([*command, *folders, str(disturbed)], check=True, **quiet)
+    parts = len(list(disturbed.glob("*/parts/*/[0-9]*.json")))
+    assert all(0 < len(earlier) < parts for earlier in kept)  # every kill came before the end
+    for earlier in kept:
+        assert all(path.read_bytes() == content for path, content in earlier.items())
     for name in ("trials.csv", "comparison.csv", "summary.txt", "manifest.json"):
         (one,), (other,) = undisturbed.rglob(name), disturbed.rglob(name)
         assert one.read_bytes() == other.read_bytes(), name

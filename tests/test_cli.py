@@ -84,7 +84,7 @@ def test_manifest_carries_configuration_versions_seed_and_hashes(results: Path) 
     import hashlib
     import json
 
-    manifest = json.loads((results / "manifest.json").read_text())
+    manifest = json.loads((results / "manifest.json").read_text(), parse_constant=pytest.fail)
     run = manifest["benchmark"]
     assert run["seed"] == 2023 and run["experiment"]["discount"] == 0.95
     assert {"fatplan", "python", "numpy", "numba", "pin", "casadi"} <= set(run["versions"])
@@ -117,6 +117,7 @@ def test_options_restrict_the_grid_in_a_folder_of_its_own(cache_folder: Path, tm
         (["--policies", "best"], "--policies best: not in the experiment; available: random, alternating, greedy, "),
         (["--conditions", "x"], "--conditions x: not in the experiment; available: single_novice, "),
         (["--trials", "0"], "--trials"),
+        (["--descents", "1000000000000"], "--descents"),
         (["--descents", "-5"], "--descents"),
         (["--jobs", "two"], "--jobs"),
         (["--nonsense"], "--nonsense"),
@@ -128,7 +129,7 @@ def test_bad_options(cache_folder: Path, tmp_path: Path, options: list[str], exp
 
 def test_missing_library_says_what_to_run(tmp_path: Path) -> None:
     message = refused(2, "benchmark", PAPER, "--cache", tmp_path, "--results", tmp_path)
-    assert f"Run `fatplan simulate {PAPER}` first" in message
+    assert f"Run `fatplan simulate {PAPER} --cache {tmp_path}` first" in message
     assert not list(tmp_path.iterdir())
 
 
@@ -144,9 +145,40 @@ def test_damaged_library_is_exit_code_4_and_mended_by_simulate(cache_folder: Pat
 
 
 def test_missing_table_says_what_to_run(cache_folder: Path, tmp_path: Path) -> None:
-    assert "Run `fatplan benchmark` first" in refused(
+    assert f"Run `fatplan benchmark {PAPER} --cache" in refused(
         2, "figures", PAPER, "--cache", cache_folder, "--results", tmp_path
     )
+
+
+def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cache_folder: Path, tmp_path: Path) -> None:
+    shutil.copytree(results, tmp_path / "paper")
+    text = (results.parent / "paper.yaml").read_text()
+    experiment = tmp_path / "paper.yaml"
+    folders = ["--cache", cache_folder, "--results", tmp_path]
+    for old, new, key in (("discount: 0.95", "discount: 0.9", "discount"), ("greedy: {", "keen: {", "benchmark")):
+        experiment.write_text(text.replace(old, new))
+        message = refused(2, "figures", experiment, *folders)
+        assert f"was made with other settings ({key})" in message and "Run `fatplan benchmark " in message
+    experiment.write_text(text)
+    table = tmp_path / "paper" / "trials.csv"
+    table.write_text(table.read_text().replace("-0.0", "-0.1", 1))
+    assert "is not what was written" in refused(4, "figures", experiment, *folders)
+    table.write_text(table.read_text().replace("-0.1", "-0.o", 1))
+    assert "is not a table of trials" in refused(4, "figures", experiment, *folders)
+
+
+def test_the_readmes_workstation_runs(tmp_path: Path) -> None:
+    """The README's YAML, laid over the paper's experiment, gives four usable motions."""
+    import yaml
+
+    block = (PAPER.parents[1] / "README.md").read_text().split("```yaml\n")[1].split("```")[0]
+    experiment = yaml.safe_load(PAPER.read_text().replace("1e-8", "1.0e-8").replace("1e-6", "1.0e-6"))
+    for key, value in yaml.safe_load(block).items():
+        experiment[key] = value if key == "actions" else experiment[key] | value
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(experiment))
+    done = fatplan("simulate", path, "--cache", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_bad_experiment(tmp_path: Path) -> None:
@@ -163,6 +195,9 @@ def test_unwritable_folders(cache_folder: Path, tmp_path: Path) -> None:
     inside = tmp_path / "file" / "below"
     assert "cannot write there" in refused(2, "simulate", PAPER, "--cache", inside)
     assert "cannot write there" in refused(2, "benchmark", PAPER, "--cache", cache_folder, "--results", inside)
+    (tmp_path / "paper").write_text("")
+    assert "cannot write there" in refused(2, "benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path)
+    assert "cannot be written" in refused(2, "human", "export", PAPER, "--output", inside)
 
 
 def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
@@ -200,11 +235,13 @@ def test_interruption_keeps_what_is_finished(cache_folder: Path, tmp_path: Path,
     begin = time.monotonic()
     while not list(parts.glob("*/[0-9]*.json")) and time.monotonic() - begin < 120:
         time.sleep(0.1)
+    at_the_signal = set(parts.glob("*/[0-9]*.json"))
     process.send_signal(number)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == code
+    # what was stored is still there, and the work in progress has been finished and stored as well
+    assert at_the_signal < set(parts.glob("*/[0-9]*.json"))
     assert "is kept; the same command goes on" in errors and "Traceback" not in errors
-    assert list(parts.glob("*/[0-9]*.json"))
 
 
 def test_help_and_version() -> None:

@@ -8,8 +8,8 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "fatigue_planner"
 FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance"]
 LAYERS = [
-    "human", "motion", "reactions", "fatigue", "pomdp", "planners", "benchmark", "statistics", "experiment", "figures",
-    "cli",
+    "human", "exports", "motion", "reactions", "fatigue", "pomdp", "planners", "benchmark", "statistics", "experiment",
+    "figures", "cli",
 ]  # fmt: skip
 
 

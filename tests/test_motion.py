@@ -237,14 +237,46 @@ def test_tool_only_during_work_loads_the_hand_only_then(paper: Experiment) -> No
     assert deviation[work.start + 1] - deviation[work.start - 1] > 3  # 5 kg, 8.7 cm beyond the wrist
 
 
-def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+@pytest.mark.parametrize("name", ["configuration", "velocity", "acceleration", "torque_nm", "wrench"])
+def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reaction, ...], name: str) -> None:
     from dataclasses import replace
 
     request = reaction_requests(paper)[0]
-    torque = reactions[0].motion.torque_nm.copy()
-    torque[7, 3] = np.nan
-    faults = measure(request.motion, replace(reactions[0].motion, torque_nm=torque)).faults(paper.accuracy)
+    array = getattr(reactions[0].motion, name).copy()
+    array[1500, -1] = np.nan
+    faults = measure(request.motion, replace(reactions[0].motion, **{name: array})).faults(paper.accuracy)
     assert any("equation_of_motion" in fault for fault in faults)
+
+
+def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """A body moved by 10 cm misses its target and its footprints, whatever the controller noted."""
+    from dataclasses import replace
+
+    moved = reactions[0].motion.configuration.copy()
+    moved[:, 0] += 0.1
+    quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, configuration=moved))
+    assert quality.work_hand_error_m > 0.09 and quality.foot_displacement_m == pytest.approx(0.1)
+    wrench = reactions[0].motion.wrench.copy()
+    wrench[5, 5] += 1e3
+    quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, wrench=wrench))
+    assert quality.wrench_cone_violation > 100
+
+
+def test_an_answer_that_is_not_optimal_is_not_believed() -> None:
+    """Wrong multipliers, a wrong point, or a violated bound, reported as a success, give no solution."""
+    for spoil in ("point", "multiplier"):
+        program = QuadraticProgram(2, 1, "daqp")
+        program.H[:], program.A[:], program.g[:] = np.eye(2), 1, [-1, -2]
+        program.lower[:], program.upper[:], program.row_lower[:], program.row_upper[:] = -np.inf, np.inf, -np.inf, 1
+        assert program.solve() is not None and program.optimality() < 1e-12
+        solve = program._evaluate
+
+        def spoiled(solve=solve, program=program, spoil=spoil) -> None:
+            solve()
+            (program._solution if spoil == "point" else program._multipliers)[0] += 1e-3
+
+        program._evaluate = spoiled
+        assert program.solve() is None
 
 
 def test_an_unsolvable_program_fails_with_time_and_advice(paper: Experiment) -> None:

@@ -6,10 +6,10 @@ import pinocchio as pin
 import pytest
 
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.exports.urdf import urdf_text
 from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
-from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.reactions.reaction import Reaction
 
 BAR_NM = 1e-8

@@ -158,10 +158,22 @@ def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tu
         assert decision.action == int(np.argmax(exact))
 
 
-def test_padding_of_the_state_changes_no_value() -> None:
+def test_dropping_or_adding_dead_entries_changes_no_value() -> None:
+    """Entries that no reaction loads: the search gives the same tree with and without them, and padded."""
+    from dataclasses import replace
+
     model = small_model(10.0)
-    view = search_model(model)
-    assert view.gain.shape == (4, LANES) and not view.offset[:, 3:].any()
+    extra = np.zeros((2, 2, 5))
+    wider = replace(
+        model,
+        gain=np.concatenate([model.gain, extra + 0.5], axis=2),
+        offset=np.concatenate([model.offset, extra], axis=2),
+        live=np.arange(8),
+    )
+    assert search_model(model).gain.shape == (4, LANES) and search_model(wider).gain.shape == (4, 2 * LANES)
+    start = Belief(np.pad(START.states, [(0, 0), (0, 5)]), START.weights)
+    for small, wide in zip(tree_of(model, START, 300), tree_of(wider, start, 300), strict=True):
+        np.testing.assert_allclose(small, wide, rtol=1e-12)
 
 
 def test_without_chance_two_searches_are_the_same_whatever_the_generator() -> None:

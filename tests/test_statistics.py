@@ -12,7 +12,7 @@ from fatigue_planner.statistics.summary import summary_text
 
 def cell(**samples: list[float]) -> pd.DataFrame:
     rows = [(name, value) for name, values in samples.items() for value in values]
-    return pd.DataFrame(rows, columns=["policy", "discounted_return"])
+    return pd.DataFrame(rows, columns=["policy", "discounted_return"]).assign(deterministic=False)
 
 
 def test_student_t_by_hand() -> None:
@@ -39,7 +39,7 @@ def test_stars_follow_the_p_value(shift: float, verdict: str) -> None:
 def test_single_runs_and_constants_state_no_p_value() -> None:
     ranked = rank_policies(cell(once=[3.0], dice=[1.0, 2.0], flat=[0.5, 0.5], level=[0.1, 0.1]), 0.05)
     assert [r.policy for r in ranked] == ["once", "dice", "flat", "level"]
-    assert ranked[0].verdict == "no test: one deterministic run" and math.isnan(ranked[0].p_value)
+    assert ranked[0].verdict == "no test: a single run" and math.isnan(ranked[0].p_value)
     assert not math.isnan(ranked[1].p_value)
     assert ranked[2].verdict == "no test: both constant" and math.isnan(ranked[2].p_value)
 
@@ -58,9 +58,12 @@ def test_summary_says_what_was_run_once() -> None:
     trials = pd.concat(
         [
             cell(a=[-1.0, -1.1, -1.2], b=[-2.0, -2.2, -2.1]).assign(condition="novice", n_cycles=5),
-            cell(a=[-1.0], b=[-3.0, -2.0]).assign(condition="expert", n_cycles=5),
+            cell(a=[-1.0]).assign(condition="expert", n_cycles=5, deterministic=True),
+            cell(b=[-3.0, -2.0]).assign(condition="expert", n_cycles=5),
+            cell(a=[-1.0]).assign(condition="brief", n_cycles=5),
         ]
     )
     text = summary_text(comparison_table(trials, 0.05), 0.05)
     assert "novice, 5 cycles" in text and "1. a                -1.100000 ± 0.100000  (n = 3)  *** (p = " in text
     assert "1. a                -1.000000  (one deterministic run)" in text
+    assert "1. a                -1.000000  (one run)" in text

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import TypeVar
 
 from fatigue_planner.errors import SelectionError
@@ -41,12 +42,13 @@ class Cell:
         return digest_of(
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
-                "policy": self.settings.model_dump(mode="json"),
+                "policy": self.settings.plain(),
                 "expertise": repr(model.expertise),
                 "discount": model.discount,
                 "maps": [model.gain.tolist(), model.offset.tolist(), model.observation.tolist(), model.entries],
                 "initial": [self.initial.states.tolist(), self.initial.weights.tolist()],
                 "sources": digest_of_package(*SOURCES),
+                "versions": {library: version(library) for library in ("numpy", "numba")},
             }
         )
 

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.streams import stream
@@ -44,13 +46,19 @@ def run_grid(
         missing = [trial for trial in cell.trial_numbers() if trial not in finished]
         parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
     parts.sort(key=lambda part: -cells[part[0]].n_cycles * len(part[1]))
-    for place, done in run_parallel(_run_part, [(cells[index], trials) for index, trials in parts], jobs):
+    work = [(cells[index], trials, store_folder) for index, trials in parts]
+    for place, done in run_parallel(_run_and_keep, work, jobs):
         index = parts[place][0]
-        store.add(cells[index], done)
         results[index] |= done
         progress(cells[index], len(done))
     return results, store.warnings
 
 
-def _run_part(part: tuple[Cell, list[int]]) -> Results:
-    return run_cell(*part)
+def _run_and_keep(part: tuple[Cell, list[int], Path]) -> Results:
+    """Run some trials and store them at once, whatever becomes of the parent process."""
+    cell, trials, store_folder = part
+    # a throw-away decision: no planning time includes loading compiled code
+    build_policy(cell.model, cell.settings).act(cell.initial, np.random.default_rng(0))
+    results = run_cell(cell, trials)
+    TrialStore(store_folder).add(cell, results)
+    return results

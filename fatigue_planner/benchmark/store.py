@@ -12,9 +12,7 @@ from pathlib import Path
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.trial import TrialResult
 from fatigue_planner.errors import DamagedFileError
-from fatigue_planner.files import canonical_json, digest_of, publish_text
-
-DIGEST_LENGTH = 16
+from fatigue_planner.files import DIGEST_LENGTH, canonical_json, digest_of, publish_text, set_aside
 
 
 class TrialStore:
@@ -62,7 +60,7 @@ class TrialStore:
                 return list(content["trials"])
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass
-        path.replace(path.with_suffix(".damaged"))
+        set_aside(path)
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
         return []
 

@@ -1,7 +1,7 @@
 """Random streams, each keyed by what it is for.
 
 The world's draws depend on seed, condition, length and trial, never on the policy: all policies of a
-trial meet the same worker, so comparisons are paired. The planner draws from a stream of its own, so
+trial meet the same worker, so their returns can be compared pairwise. The planner draws from a stream of its own, so
 it cannot see the world's future.
 """
 

@@ -11,6 +11,8 @@ from fatigue_planner.errors import DamagedFileError, MissingTableError
 from fatigue_planner.files import publish_text
 
 KEY = ["condition", "n_cycles", "policy", "trial"]
+# Whether every run of the cell is the same, so that it was run once.
+SAME = "deterministic"
 OUTCOMES = ["discounted_return", "final_cost", "peak_cost"]
 TIMES = ["mean_planning_time_s", "longest_planning_time_s"]
 TRIALS_FILE = "trials.csv"
@@ -21,31 +23,33 @@ def trial_table(cells: Sequence[Cell], results: Sequence[Results]) -> pd.DataFra
     """All columns of all trials, in the order of the cells and trials."""
     rows = [
         {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
+        | {SAME: cell.is_deterministic()}
         | vars(done[trial])
         for cell, done in zip(cells, results, strict=True)
         for trial in sorted(done)
     ]
-    return pd.DataFrame(rows, columns=[*KEY, *OUTCOMES, *TIMES])
+    return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, *TIMES])
 
 
 def publish_table(folder: Path, table: pd.DataFrame) -> None:
     """Write trials.csv and, because times are never the same twice, planning_times.csv apart from it."""
-    publish_text(folder / TRIALS_FILE, table[KEY + OUTCOMES].to_csv(index=False, lineterminator="\n"))
+    publish_text(folder / TRIALS_FILE, table[[*KEY, SAME, *OUTCOMES]].to_csv(index=False, lineterminator="\n"))
     publish_text(folder / TIMES_FILE, table[KEY + TIMES].to_csv(index=False, lineterminator="\n"))
 
 
-def read_table(folder: Path) -> pd.DataFrame:
-    """The published trials (without times).
+def read_table(folder: Path, command: str) -> pd.DataFrame:
+    """The published trials (without times); `command` makes them, for the messages.
 
     Raises MissingTableError if there are none, DamagedFileError if the file is not such a table.
     """
     path = folder / TRIALS_FILE
     if not path.exists():
-        raise MissingTableError(f"{path}: there is no table of trials. Run `fatplan benchmark` first.")
+        raise MissingTableError(f"{path}: there is no table of trials. Run `{command}` first.")
+    kinds = dict.fromkeys(OUTCOMES, float) | {"n_cycles": int, "trial": int, SAME: bool}
     try:
-        table = pd.read_csv(path)
+        table = pd.read_csv(path, dtype=kinds)
     except (ValueError, OSError) as error:
-        raise DamagedFileError(f"{path}: is not a table of trials ({error}).") from error
-    if list(table.columns) != KEY + OUTCOMES or table.isna().any(axis=None) or table.duplicated(KEY).any():
-        raise DamagedFileError(f"{path}: is not a table of trials: columns, gaps or repeated rows. Run it again.")
+        raise DamagedFileError(f"{path}: is not a table of trials ({error}). Run `{command}`.") from error
+    if list(table.columns) != [*KEY, SAME, *OUTCOMES] or table.isna().any(axis=None) or table.duplicated(KEY).any():
+        raise DamagedFileError(f"{path}: is not a table of trials: columns, gaps or repeated rows. Run `{command}`.")
     return table

@@ -20,6 +20,7 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     ResultsFolder,
+    command_line,
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
@@ -32,6 +33,7 @@ from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.summary import summary_text
 
+MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"
 COMPARISON_FILE = "comparison.csv"
 
@@ -41,8 +43,8 @@ def benchmark(
     cycles: Annotated[list[int] | None, typer.Option(help="Only this number of cycles (repeatable).")] = None,
     conditions: Annotated[list[str] | None, typer.Option(help="Only this condition (repeatable).")] = None,
     policies: Annotated[list[str] | None, typer.Option(help="Only this policy (repeatable).")] = None,
-    trials: Annotated[int | None, typer.Option(min=1, help="Trials per cell instead of the experiment's.")] = None,
-    descents: Annotated[int | None, typer.Option(min=1, help="Descents of every POMCP, not the experiment's.")] = None,
+    trials: Annotated[int | None, typer.Option(min=1, max=MOST, help="Trials per cell instead of the file's.")] = None,
+    descents: Annotated[int | None, typer.Option(min=1, max=MOST, help="Descents of every POMCP.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
@@ -56,17 +58,18 @@ def benchmark(
     """
     settings = load_experiment(experiment)
     grid = _changed(settings, cycles, conditions, policies, trials, descents, seed)
-    reactions = load_reactions(settings, experiment, cache)
+    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    store = writable_folder(results / settings.name / "parts")
     folder = writable_folder(results / (settings.name + _suffix(cycles, conditions, policies, trials, descents, seed)))
     cells = _cells(grid, reactions)
-    table = _run(cells, results / settings.name / "parts", jobs)
+    table = _run(cells, store, jobs)
     publish_table(folder, table)
     comparison = comparison_table(table, settings.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
     summary = summary_text(comparison, settings.significance_level)
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
-        "experiment": grid.model_dump(mode="json"),
+        "experiment": grid.plain(),
         "seed": grid.benchmark.seed,
         "reactions": {str(reaction.name): reaction.digest for reaction in reactions},
     }

@@ -7,11 +7,11 @@ import typer
 
 from fatigue_planner.cli.options import DEFAULT_EXPERIMENT, ExperimentFile
 from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.exports.urdf import urdf_text
+from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
 from fatigue_planner.files import publish_text
-from fatigue_planner.human.description import joint_frame, segment_frame
 from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.human.model import build_human
-from fatigue_planner.human.urdf import urdf_text
 
 app = typer.Typer(help="Show or export the digital human of an experiment.", no_args_is_help=True)
 

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.text import Text
 
 from fatigue_planner import __version__
 from fatigue_planner.cli.benchmark import benchmark
@@ -58,11 +59,16 @@ class Stopped(BaseException):
 
 
 def _stop(signal_number: int, _frame: FrameType | None) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
     raise Stopped(signal_number)
 
 
 def run() -> None:
-    """Run the command line; every mistake of the user ends in one message and its exit code."""
+    """Run the command line; every mistake of the user ends in one message and its exit code.
+
+    The first signal stops in good order, a second one at once.
+    """
     errors = Console(stderr=True, highlight=False, soft_wrap=True)
     for number in (signal.SIGINT, signal.SIGTERM):
         if signal.getsignal(number) != signal.SIG_IGN:
@@ -70,12 +76,8 @@ def run() -> None:
     try:
         app()
     except FatplanError as error:
-        errors.print(f"[red]Error:[/red] {_escaped(str(error))}")
+        errors.print(Text.assemble(("Error:", "red"), f" {error}"))
         sys.exit(error.exit_code)
     except Stopped as stopped:
         errors.print("Stopped. What is finished is kept; the same command goes on from there.")
         sys.exit(stopped.exit_code)
-
-
-def _escaped(text: str) -> str:
-    return text.replace("[", r"\[")

@@ -1,5 +1,6 @@
 """Options that several commands share."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,16 @@ DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
 DEFAULT_CACHE = Path("cache")
 DEFAULT_RESULTS = Path("results")
 ALL_CORES = available_cores()
+
+
+def command_line(command: str, experiment: Path, cache: Path, results: Path = DEFAULT_RESULTS) -> str:
+    """The command a message tells to run, with the folders the user named."""
+    words = ["fatplan", command, str(experiment)]
+    if cache != DEFAULT_CACHE:
+        words += ["--cache", str(cache)]
+    if results != DEFAULT_RESULTS:
+        words += ["--results", str(results)]
+    return shlex.join(words)
 
 
 def talk() -> Console:

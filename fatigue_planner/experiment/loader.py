@@ -12,14 +12,16 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.yaml_reader import read_yaml
 from fatigue_planner.fatigue.parameters import fatigue_state
 from fatigue_planner.human.anthropometry import Anthropometry
-from fatigue_planner.human.joint_data import maximum_torques, posture
+from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.model import build_human
 from fatigue_planner.settings import Settings
 
 
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, checked completely.
 
-    Raises ExperimentError with every fault found: file, key, value, what is allowed.
+    Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, then the first
+    of meaning.
     """
     content = read_yaml(path)
     if not isinstance(content, dict):
@@ -38,7 +40,7 @@ def load_experiment(path: Path) -> Experiment:
 
 def _check_meaning(experiment: Experiment) -> None:
     """What the types cannot say: names of joints and strength sets, targets no arm can reach."""
-    posture(experiment.worker.natural_posture_deg)
+    build_human(experiment.worker)
     maximum_torques(experiment.worker.strength)
     for states in experiment.initial_beliefs.values():
         for state in states:

@@ -29,12 +29,11 @@ def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
     )
 
 
-def load_reactions(experiment: Experiment, experiment_file: Path, cache_folder: Path) -> tuple[Reaction, ...]:
-    """The experiment's reactions from the cache.
+def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
+    """The experiment's reactions from the cache; `command` makes them, for the messages.
 
-    Raises MissingLibraryError or DamagedFileError, saying which command helps.
+    Raises MissingLibraryError or DamagedFileError.
     """
-    command = f"fatplan simulate {experiment_file}"
     return ReactionCache(cache_folder).load(experiment.name, reaction_requests(experiment), command)
 
 

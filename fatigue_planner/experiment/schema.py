@@ -13,6 +13,9 @@ from fatigue_planner.settings import Settings
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,39}$")]
 Level = Annotated[float, Field(ge=0, le=1)]
 
+# Names of the files a results folder holds besides the figures of the returns.
+RESERVED = ("trials", "comparison", "planning_times", "reactions", "torques", "manifest", "summary")
+
 
 class InitialState(Settings):
     """One state the worker may start in: fatigue by joint, the rest relaxed."""
@@ -70,7 +73,12 @@ class Experiment(Settings):
                     f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
                     f"{', '.join(self.initial_beliefs)}"
                 )
+        repeated = [n for n in self.benchmark.n_cycles if self.benchmark.n_cycles.count(n) > 1]
+        if repeated:
+            raise ValueError(f"benchmark.n_cycles: {repeated[0]} stands twice")
         for name, conditions in self.figures.items():
+            if name in RESERVED:
+                raise ValueError(f"figures.{name}: this name is used for another file; choose one not in {RESERVED}")
             unknown = [condition for condition in conditions if condition not in self.benchmark.conditions]
             if unknown or not conditions:
                 raise ValueError(

@@ -92,10 +92,12 @@ def posture(angles_deg: dict[str, float]) -> Vector:
     for name, degrees in angles_deg.items():
         places = [i for i, dof in enumerate(DEGREES_OF_FREEDOM) if name in {dof, without_side(dof)}]
         if not places:
-            raise DataFileError(f"posture: unknown degree of freedom {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
+            raise DataFileError(
+                f"natural_posture_deg: unknown degree of freedom {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}"
+            )
         if not np.degrees(lower[places[0]]) <= degrees <= np.degrees(upper[places[0]]):
             raise DataFileError(
-                f"posture: {name} = {degrees} deg is outside its range of motion "
+                f"natural_posture_deg: {name} = {degrees} deg is outside its range of motion "
                 f"[{np.degrees(lower[places[0]]):.0f}, {np.degrees(upper[places[0]]):.0f}] deg"
             )
         angles[places] = np.radians(degrees)

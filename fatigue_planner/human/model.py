@@ -8,6 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from pydantic import Field
 
+from fatigue_planner.errors import DataFileError
 from fatigue_planner.human.anthropometry import Anthropometry, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
@@ -17,7 +18,9 @@ Vector = NDArray[np.float64]
 
 GRAVITY_MPS2 = 9.81  # standard acceleration of free fall, rounded
 BASE_DOF = 6
-FEET = ("right_foot", "left_foot")
+# A natural stance: soles flat to a hundredth of a millimetre, centre of mass 2 cm inside heel and toe.
+STANCE_TOLERANCE = 1e-5
+STANCE_MARGIN_M = 0.02
 
 _JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.JointModelRZ}
 _UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
@@ -118,8 +121,8 @@ def stand(model: pin.Model, joint_angles: Vector) -> Vector:
 def build_human(worker: Worker, tool_mass_kg: float = 0.0) -> Human:
     """The digital human of a worker, with a tool (a point mass) in the right fist.
 
-    Raises DataFileError if the natural posture names an unknown degree of freedom or leaves a range
-    of motion.
+    Raises DataFileError if the natural posture names an unknown degree of freedom, leaves a range of
+    motion or does not stand on flat soles.
     """
     body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
     model = _tree(body)
@@ -129,7 +132,30 @@ def build_human(worker: Worker, tool_mass_kg: float = 0.0) -> Human:
             grip.parentJoint, pin.Inertia(tool_mass_kg, np.zeros(3), np.zeros((3, 3))), grip.placement
         )
     heel, toe, half_breadth, _ = body.sole_rectangle()
-    return Human(model, body, stand(model, posture(worker.natural_posture_deg)), (toe - heel) / 2, half_breadth)
+    stance = stand(model, posture(worker.natural_posture_deg))
+    human = Human(model, body, stance, (toe - heel) / 2, half_breadth)
+    _check_stance(human)
+    return human
+
+
+def _check_stance(human: Human) -> None:
+    """Raise DataFileError unless both soles lie flat and the centre of mass is well above them."""
+    data = human.model.createData()
+    pin.framesForwardKinematics(human.model, data, human.stance)
+    for side in ("right", "left"):
+        sole = data.oMf[human.model.getFrameId(f"{side}_sole")]
+        if abs(sole.translation[2]) > STANCE_TOLERANCE or 1 - sole.rotation[2, 2] > STANCE_TOLERANCE:
+            raise DataFileError(
+                f"natural_posture_deg: the {side} sole does not lie flat on the ground; bend both legs alike, or so "
+                "that their soles meet the ground together."
+            )
+    forward = float(pin.centerOfMass(human.model, data, human.stance)[0])
+    if abs(forward) > human.sole_half_length_m - STANCE_MARGIN_M:
+        raise DataFileError(
+            f"natural_posture_deg: the body leans, its centre of mass stands {100 * forward:+.1f} cm from the middle "
+            f"of the soles (half length {100 * human.sole_half_length_m:.1f} cm). Upright legs have "
+            "hip_flexion = knee_flexion - ankle_flexion, e.g. 2.5, 5 and 2.5."
+        )
 
 
 def joint_index(name: str) -> int:

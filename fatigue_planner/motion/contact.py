@@ -9,6 +9,9 @@ from fatigue_planner.motion.body_state import BodyState
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+WRENCH = 6
+CONE_ROWS = 16
+
 
 def wrench_cone(half_length_m: float, half_breadth_m: float, friction_coefficient: float) -> Matrix:
     """Rows G (16, 6) with G w <= 0 for the wrench w = (force, moment) at the centre of a sole.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
 from fatigue_planner.motion.body_state import BodyState
-from fatigue_planner.motion.contact import SoleContact, wrench_cone
+from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.limits import acceleration_bounds
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.settings import Controller
@@ -21,8 +21,6 @@ from fatigue_planner.motion.tasks import PostureTask, Task
 
 Vector = NDArray[np.float64]
 
-WRENCH = 6
-CONE_ROWS = 16
 SECOND_OPINION = {"daqp": "qpoases", "qpoases": "daqp"}
 
 

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
+# What the optimality conditions may be missed by; on the paper's motions both solvers stay below 1e-10.
+OPTIMALITY = 1e-6
+
 
 class QuadraticProgram:
     """min 1/2 x'Hx + g'x  subject to  row_lower <= A x <= row_upper, lower <= x <= upper.
@@ -30,15 +33,24 @@ class QuadraticProgram:
         with self._quiet():
             self._function = ca.conic("whole_body", solver, structure, options)
             self._buffer, self._evaluate = self._function.buffer()
-        arrays: dict[str, Vector] = {}
+        # bounds and multipliers of rows and variables lie side by side, so that one expression checks both
+        self._lower, self._upper, self._multipliers = (np.zeros(rows + variables) for _ in range(3))
+        arrays: dict[str, Vector] = {
+            "lba": self._lower[:rows],
+            "lbx": self._lower[rows:],
+            "uba": self._upper[:rows],
+            "ubx": self._upper[rows:],
+            "out_lam_a": self._multipliers[:rows],
+            "out_lam_x": self._multipliers[rows:],
+        }
         for i in range(self._function.n_in()):
             name = self._function.name_in(i)
-            arrays[name] = np.zeros(self._function.nnz_in(i))
+            arrays.setdefault(name, np.zeros(self._function.nnz_in(i)))
             if arrays[name].size:
                 self._buffer.set_arg(i, memoryview(arrays[name]))  # type: ignore[call-arg, arg-type]
         for i in range(self._function.n_out()):
             name = "out_" + self._function.name_out(i)
-            arrays[name] = np.zeros(self._function.nnz_out(i))
+            arrays.setdefault(name, np.zeros(self._function.nnz_out(i)))
             if arrays[name].size:
                 self._buffer.set_res(i, memoryview(arrays[name]))  # type: ignore[call-arg, arg-type]
         self._arrays = arrays
@@ -49,14 +61,35 @@ class QuadraticProgram:
         self._solution = arrays["out_x"]
 
     def solve(self) -> Vector | None:
-        """The minimiser (n,), or None if the data are not finite or the solver reports failure."""
+        """The minimiser (n,); None if the data are not finite or the answer is not proved optimal.
+
+        A solver's word is not taken for it: the optimality conditions are checked (see `optimality`).
+        """
         if not self._finite():
             return None
         with self._quiet():
             self._evaluate()
-        if not self._buffer.stats()["success"] or not np.isfinite(self._solution).all():
+        if not self._buffer.stats()["success"] or not self.optimality() <= OPTIMALITY:
             return None
         return self._solution
+
+    def optimality(self) -> float:
+        """How far the last answer is from optimal: the sum of three residuals, NaN if it is not finite.
+
+        Violation of a constraint (in its own unit); stationarity |Hx + g + A'lambda + mu|, relative to
+        the gradient's scale max(1, |g|); complementarity |multiplier x distance from its bound|.
+        """
+        x, multipliers = self._solution, self._multipliers
+        values = np.concatenate([self.A @ x, x])
+        below, above = self._upper - values, values - self._lower
+        violation = -min(below.min(), above.min())
+        rows = self.A.shape[0]
+        gradient = self.H @ x + self.g + multipliers[:rows] @ self.A + multipliers[rows:]
+        stationarity = np.abs(gradient).max() / max(1.0, np.abs(self.g).max())
+        held = multipliers.nonzero()[0]
+        gaps = np.where(multipliers[held] > 0, below[held], above[held])
+        complementarity = np.abs(multipliers[held] * gaps).max(initial=0.0)
+        return float(violation + stationarity + complementarity)
 
     def _quiet(self) -> AbstractContextManager[object]:
         """Swallow the banner of qpOASES, which no option removes."""

@@ -19,7 +19,8 @@ class Replay:
 
     residual_nm (n, 45): M a + h - S' tau - J' w; centre_of_mass_m (n, 3); energy_j (n,): kinetic and
     potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques and the ground do
-    between a tick and the next, at the mean of both velocities.
+    between a tick and the next, at the mean of both velocities; fist_m (n, 3) the right fist;
+    sole_displacement_m (n, 2) how far the soles are from where they stood in the natural stance.
     """
 
     residual_nm: Matrix
@@ -27,13 +28,19 @@ class Replay:
     energy_j: Vector
     actuator_work_j: Vector
     contact_work_j: Vector
+    fist_m: Matrix
+    sole_displacement_m: Matrix
 
 
 def replay(human: Human, motion: Motion, run: Phase) -> Replay:
     """Recompute the ticks of a run."""
     model, data = human.model, human.model.createData()
     soles = [model.getFrameId(f"{side}_sole") for side in ("right", "left")]
+    pin.framesForwardKinematics(model, data, human.stance)
+    home = [data.oMf[sole].translation.copy() for sole in soles]
+    grip = model.getFrameId("right_grip")
     ticks = range(run.start, run.stop)
+    fist, displacement = np.empty((len(ticks), 3)), np.empty((len(ticks), 2))
     residual, centre = np.empty((len(ticks), model.nv)), np.empty((len(ticks), 3))
     energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
     velocity = motion.velocity[run.start : run.stop]
@@ -46,13 +53,18 @@ def replay(human: Human, motion: Motion, run: Phase) -> Replay:
         for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
             pushed += pin.computeFrameJacobian(model, data, q, sole, pin.ReferenceFrame.LOCAL).T @ wrench
         residual[row] -= pushed
+        pin.framesForwardKinematics(model, data, q)
+        fist[row] = data.oMf[grip].translation
+        displacement[row] = [
+            np.linalg.norm(data.oMf[sole].translation - at) for sole, at in zip(soles, home, strict=True)
+        ]
         centre[row] = pin.centerOfMass(model, data, q)
         energy[row] = pin.computeKineticEnergy(model, data, q, v) + pin.computePotentialEnergy(model, data, q)
         if row < len(contact_work):
             contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
     torque = motion.torque_nm[run.start : run.stop - 1]
     work = motion.time_step_s * np.einsum("ij,ij->i", torque, mean_velocity[:, BASE_DOF:])
-    return Replay(residual, centre, energy, work, contact_work)
+    return Replay(residual, centre, energy, work, contact_work, fist, displacement)
 
 
 def energy_error_share(run: Replay) -> float:

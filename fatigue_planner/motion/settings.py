@@ -7,7 +7,8 @@ from pydantic import Field
 from fatigue_planner.settings import Settings
 
 Positive = Annotated[float, Field(gt=0)]
-NonNegative = Annotated[float, Field(ge=0)]
+# A phase lasts at least some ticks of the longest time step, at most ten minutes.
+Duration = Annotated[float, Field(ge=0.1, le=600)]
 
 Segment = Literal[
     "pelvis", "abdomen", "thorax", "neck", "head",
@@ -19,9 +20,9 @@ Segment = Literal[
 class Cycle(Settings):
     """The phases of one cycle (paper, section IV-A: reach, work, return; 16 s in all)."""
 
-    reach_s: Positive
-    work_s: Positive
-    return_s: Positive
+    reach_s: Duration
+    work_s: Duration
+    return_s: Duration
 
     @property
     def duration_s(self) -> float:

@@ -9,10 +9,11 @@ from scipy.spatial import ConvexHull
 
 from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
+from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.settings import Accuracy
-from fatigue_planner.motion.simulator import MotionRequest
+from fatigue_planner.motion.simulator import PHASES, MotionRequest, target_pose
 
 Matrix = NDArray[np.float64]
 
@@ -25,6 +26,7 @@ class Quality:
     friction_violation_n: float
     unilateral_violation_n: float
     centre_of_pressure_violation_m: float
+    wrench_cone_violation: float
     torque_violation_nm: float
     position_violation_rad: float
     velocity_violation_radps: float
@@ -61,30 +63,30 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     does not use. NaN anywhere makes the checks it touches NaN, which no bound accepts.
     """
     with_tool = build_human(request.worker, request.tool.mass_kg)
-    bodies = dict.fromkeys(("reach", "work", "return"), with_tool)
+    bodies = dict.fromkeys(PHASES, with_tool)
     if request.tool.held == "work":
         bodies["reach"] = bodies["return"] = build_human(request.worker)
     # where the tool is taken up or put down, the mass changes and a new run begins
     runs = motion.phases if request.tool.held == "work" else (Phase("cycle", 0, motion.phases[-1].stop),)
     replays = [replay(bodies.get(run.name, with_tool), motion, run) for run in runs]
-    positive, negative = (
-        request.controller.torque_limit_factor * torque for torque in maximum_torques(request.worker.strength)
-    )
+    factor = request.controller.torque_limit_factor
+    positive, negative = (factor * torque for torque in maximum_torques(request.worker.strength))
     joints, speeds = motion.configuration[:, 7:], motion.velocity[:, BASE_DOF:]
     model = with_tool.model
-    forces = motion.wrench.reshape(-1, 6)
-    tangential = np.hypot(forces[:, 0], forces[:, 1])
+    forces = motion.wrench.reshape(-1, WRENCH)
+    friction, length, breadth = (
+        request.controller.friction_coefficient, with_tool.sole_half_length_m, with_tool.sole_half_breadth_m
+    )  # fmt: skip
     normal = forces[:, 2]
     pressing = np.maximum(normal, 1e-9)
-    off_centre = np.maximum(
-        np.abs(forces[:, 4]) / pressing - with_tool.sole_half_length_m,
-        np.abs(forces[:, 3]) / pressing - with_tool.sole_half_breadth_m,
-    )
+    off_centre = np.maximum(np.abs(forces[:, 4]) / pressing - length, np.abs(forces[:, 3]) / pressing - breadth)
+    fist = np.concatenate([run.fist_m for run in replays])[motion.phase("work")]
     return Quality(
         equation_of_motion_nm=float(max(np.abs(run.residual_nm).max() for run in replays)),
-        friction_violation_n=float((tangential - request.controller.friction_coefficient * normal).max()),
+        friction_violation_n=float((np.hypot(forces[:, 0], forces[:, 1]) - friction * normal).max()),
         unilateral_violation_n=float((-normal).max()),
         centre_of_pressure_violation_m=float(off_centre.max()),
+        wrench_cone_violation=float((forces @ wrench_cone(length, breadth, friction).T).max()),
         torque_violation_nm=float(np.maximum(motion.torque_nm - positive, -motion.torque_nm - negative).max()),
         position_violation_rad=float(
             np.maximum(joints - model.upperPositionLimit[7:], model.lowerPositionLimit[7:] - joints).max()
@@ -92,8 +94,8 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         velocity_violation_radps=float((np.abs(speeds) - request.controller.velocity_limit_radps).max()),
         centre_of_mass_violation_m=max(_outside_support(with_tool, run.centre_of_mass_m) for run in replays),
         energy_error_share=max(energy_error_share(run) for run in replays),
-        foot_displacement_m=float(motion.foot_displacement_m.max()),
-        work_hand_error_m=float(motion.hand_error_m[motion.phase("work")].max()),
+        foot_displacement_m=float(max(run.sole_displacement_m.max() for run in replays)),
+        work_hand_error_m=float(np.linalg.norm(fist - target_pose(request.action).position_m, axis=1).max()),
     )
 
 

@@ -1,6 +1,7 @@
 """The policies an experiment file can name: one settings class and one line each.
 
-To add a policy: write it (see `policy.Policy`), describe its settings here, add it to POLICY_KINDS.
+To add a policy: write it (see `policy.Policy`); here, describe its settings, name them in PolicySettings
+and add a line to POLICY_KINDS.
 """
 
 from collections.abc import Callable

@@ -4,19 +4,22 @@ A finished library is `<experiment>-<digest>.h5`; what an unfinished run has sim
 `partial/`, one library of one reaction each, and is taken from there by the next run.
 """
 
+import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError
-from fatigue_planner.files import writable_folder
+from fatigue_planner.files import DIGEST_LENGTH, set_aside, writable_folder
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.reactions.library import library_digest, read_library, write_library
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
-DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file name
+PARTIAL = "partial"
+# Ours are <experiment>-<digest>.h5 and partial/<digest>.h5; other files in the folder are left alone.
+_LIBRARY_NAME = re.compile(rf"([A-Za-z][\w.-]*-)?[0-9a-f]{{{DIGEST_LENGTH}}}\.h5")
 
 
 @dataclass(frozen=True)
@@ -71,50 +74,58 @@ class ReactionCache:
         `progress` hears of every outcome as it comes. Damaged files are set aside (`damaged` lists
         the messages). Returns the library's path and the outcomes in the order of the requests.
         """
-        writable_folder(self.folder)
-        known = self._find({request.digest() for request in requests})
+        writable_folder(self.folder / PARTIAL)
         path = self.path(experiment, requests)
+        found = self._find(path, {request.digest() for request in requests})
         outcomes: dict[str, Outcome] = {}
         missing = []
         for request in requests:
             digest = request.digest()
-            if digest in known:
-                outcomes[str(request.name)] = Outcome(request.name, digest, known[digest], found=True)
+            if digest in found:
+                outcomes[str(request.name)] = Outcome(request.name, digest, found[digest], found=True)
                 progress(outcomes[str(request.name)])
             else:
-                missing.append(request)
-        for _, outcome in run_parallel(simulate_reaction, missing, jobs):
+                missing.append((request, self._partial(digest)))
+        for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
             outcomes[str(outcome.name)] = outcome
-            if outcome.reaction is not None:
-                write_library(self._partial(outcome.digest), [outcome.reaction])
             progress(outcome)
         ordered = [outcomes[str(request.name)] for request in requests]
-        reactions = [outcome.reaction for outcome in ordered if outcome.reaction is not None]
+        reactions = [replace(o.reaction, name=o.name) for o in ordered if o.reaction is not None]
         if len(reactions) == len(requests):
             if not path.exists():
-                named = [
-                    Reaction(o.name, o.digest, r.settings, r.motion, r.quality)
-                    for o, r in zip(ordered, reactions, strict=True)
-                ]
-                write_library(path, named)
+                write_library(path, reactions)
             for outcome in ordered:
                 self._partial(outcome.digest).unlink(missing_ok=True)
         return path, ordered
 
     def _partial(self, digest: str) -> Path:
-        return self.folder / "partial" / f"{digest[:DIGEST_LENGTH]}.h5"
+        return self.folder / PARTIAL / f"{digest[:DIGEST_LENGTH]}.h5"
 
-    def _find(self, wanted: set[str]) -> dict[str, Reaction]:
-        """The wanted reactions, by digest, from all libraries; damaged files are set aside."""
+    def _find(self, first: Path, wanted: set[str]) -> dict[str, Reaction]:
+        """The wanted reactions, by digest, from all libraries; damaged ones are set aside.
+
+        `first` is read first, if it exists, so that it is checked even if others hold the same.
+        """
         found: dict[str, Reaction] = {}
-        for path in sorted([*self.folder.glob("[!.]*.h5"), *self.folder.glob("partial/[!.]*.h5")]):
+        files = [path for pattern in ("*.h5", f"{PARTIAL}/*.h5") for path in self.folder.glob(pattern)]
+        for path in sorted(files, key=lambda path: (path != first, str(path))):
+            if not _LIBRARY_NAME.fullmatch(path.name):
+                continue
             try:
                 found |= {reaction.digest: reaction for reaction in read_library(path, wanted - found.keys())}
             except DamagedFileError as error:
-                aside = path.with_suffix(".damaged")
-                path.replace(aside)
+                aside = set_aside(path)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
         return found
+
+
+def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:
+    """Simulate a reaction and, if it is good, publish it at once, whatever becomes of the parent process."""
+    request, path = work
+    outcome = simulate_reaction(request)
+    if outcome.reaction is not None:
+        write_library(path, [outcome.reaction])
+    return outcome
 
 
 def simulate_reaction(request: ReactionRequest) -> Outcome:

@@ -10,6 +10,7 @@
 """
 
 import hashlib
+import io
 import json
 from collections.abc import Container, Sequence
 from dataclasses import asdict
@@ -51,17 +52,16 @@ def library_digest(reactions: Sequence[tuple[ReactionName, str]]) -> str:
 def write_library(path: Path, reactions: Sequence[Reaction]) -> None:
     """Publish a library whole. Raises OutputFolderError if the folder cannot be written."""
 
-    def write(temporary: Path) -> None:
-        with h5py.File(temporary, "w", track_order=False) as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["format_version"] = FORMAT_VERSION
-            file.attrs["digest"] = library_digest([(r.name, r.digest) for r in reactions])
-            file.attrs["versions"] = canonical_json(versions())
-            file["degrees_of_freedom"] = list(DEGREES_OF_FREEDOM)
-            for reaction in reactions:
-                _write_reaction(file.create_group(f"reactions/{reaction.name}"), reaction)
-
-    publish(path, write)
+    content = io.BytesIO()  # HDF5 itself crashes on a full disk; a plain write says so
+    with h5py.File(content, "w", track_order=False) as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["digest"] = library_digest([(r.name, r.digest) for r in reactions])
+        file.attrs["versions"] = canonical_json(versions())
+        file["degrees_of_freedom"] = list(DEGREES_OF_FREEDOM)
+        for reaction in reactions:
+            _write_reaction(file.create_group(f"reactions/{reaction.name}"), reaction)
+    publish(path, lambda temporary: temporary.write_bytes(content.getbuffer()))
 
 
 def _write_reaction(group: h5py.Group, reaction: Reaction) -> None:

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
-from fatigue_planner.files import digest_of, digest_of_files, digest_of_package
-from fatigue_planner.human.joint_data import strength_path
+from fatigue_planner.files import digest_of, digest_of_package
+from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.motion.simulator import MotionRequest
@@ -36,20 +36,15 @@ class ReactionRequest:
     accuracy: Accuracy
 
     def settings(self) -> dict[str, object]:
-        """Everything of an experiment that decides the reaction, as plain data."""
+        """Everything of an experiment that decides the reaction, as plain data, strengths written out."""
         parts = vars(self.motion) | {"accuracy": self.accuracy}
-        return {name: part.model_dump(mode="json") for name, part in parts.items()}
+        positive, negative = maximum_torques(self.motion.worker.strength)
+        strength = {"positive_nm": positive.tolist(), "negative_nm": negative.tolist()}
+        return {name: part.plain() for name, part in parts.items()} | {"maximum_torque": strength}
 
     def digest(self) -> str:
         """Key of the reaction: settings, body data, sources and numerical libraries."""
-        return digest_of(
-            {
-                "settings": self.settings(),
-                "strength": digest_of_files([strength_path(self.motion.worker.strength)]),
-                "sources": digest_of_package(*SOURCES),
-                "versions": versions(),
-            }
-        )
+        return digest_of({"settings": self.settings(), "sources": digest_of_package(*SOURCES), "versions": versions()})
 
 
 @dataclass(frozen=True)

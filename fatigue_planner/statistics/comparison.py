@@ -13,7 +13,6 @@ Vector = NDArray[np.float64]
 
 # Stars of Figure 5; the paper does not say its thresholds beyond 5 %, these are the usual ones.
 STARS = ((0.001, "***"), (0.01, "**"), (0.05, "*"))
-DETERMINISTIC = "one deterministic run"
 
 
 @dataclass(frozen=True)
@@ -27,6 +26,7 @@ class Ranked:
     mean: float
     standard_deviation: float
     trials: int
+    deterministic: bool
     p_value: float
     verdict: str
 
@@ -34,11 +34,12 @@ class Ranked:
 def rank_policies(cell: pd.DataFrame, significance_level: float) -> list[Ranked]:
     """Policies of one condition and number of cycles, best mean return first.
 
-    `cell` has the columns policy and discounted_return. Neighbours are compared by Student's
+    `cell` has the columns policy, deterministic and discounted_return. Neighbours are compared by Student's
     two-sample t-test, unpaired, as in the paper; a policy with a single run has no distribution to
     test, so a comparison with it states no p-value.
     """
     samples = {str(name): rows.to_numpy() for name, rows in cell.groupby("policy", sort=False)["discounted_return"]}
+    same = cell.groupby("policy", sort=False)["deterministic"].all()
     order = sorted(samples, key=lambda name: -float(samples[name].mean()))
     ranked = []
     for place, name in enumerate(order):
@@ -46,7 +47,8 @@ def rank_policies(cell: pd.DataFrame, significance_level: float) -> list[Ranked]
         following = samples[order[place + 1]] if place + 1 < len(order) else None
         p_value, verdict = _compare(values, following, significance_level)
         spread = float(values.std(ddof=1)) if len(values) > 1 else 0.0
-        ranked.append(Ranked(name, float(values.mean()), spread, len(values), p_value, verdict))
+        mean, deterministic = float(values.mean()), bool(same[name])
+        ranked.append(Ranked(name, mean, spread, len(values), deterministic, p_value, verdict))
     return ranked
 
 
@@ -54,7 +56,7 @@ def _compare(values: Vector, following: Vector | None, significance_level: float
     if following is None:
         return math.nan, ""
     if len(values) < 2 or len(following) < 2:
-        return math.nan, f"no test: {DETERMINISTIC}"
+        return math.nan, "no test: a single run"
     if np.ptp(values) == 0 and np.ptp(following) == 0:
         return math.nan, "no test: both constant"
     with warnings.catch_warnings():

@@ -6,14 +6,12 @@ from typing import Any
 
 import pandas as pd
 
-from fatigue_planner.statistics.comparison import DETERMINISTIC
-
 
 def summary_text(comparison: pd.DataFrame, significance_level: float) -> str:
     """The comparison table in words, best policy first, each tested against the next one."""
     lines = [
         "Discounted return (higher is better): mean ± standard deviation over the trials.",
-        f"Each policy is tested against the next one: Student's t-test, unpaired, at {significance_level:.0%} "
+        f"Each policy is tested against the next one: Student's t-test, unpaired, at {100 * significance_level:g} % "
         "(ns: not significant).",
     ]
     for (condition, n_cycles), cell in comparison.groupby(["condition", "n_cycles"], sort=False):
@@ -25,9 +23,11 @@ def summary_text(comparison: pd.DataFrame, significance_level: float) -> str:
 
 def _estimate(row: Mapping[Hashable, Any]) -> str:
     if row["trials"] == 1:
-        return f"{row['mean']:.6f}  ({DETERMINISTIC})"
+        return f"{row['mean']:.6f}  ({'one deterministic run' if row['deterministic'] else 'one run'})"
     return f"{row['mean']:.6f} ± {row['standard_deviation']:.6f}  (n = {row['trials']})"
 
 
 def _test(row: Mapping[Hashable, Any]) -> str:
-    return "" if math.isnan(row["p_value"]) else f"{row['verdict']} (p = {row['p_value']:.2g})"
+    if math.isnan(row["p_value"]):
+        return row["verdict"] if row["trials"] > 1 else ""
+    return f"{row['verdict']} (p = {row['p_value']:.2g})"
