@@ -229,8 +229,11 @@ def test_choose_names_what_is_not_there() -> None:
         choose("cycles", (5, 20), [5, 7])
 
 
-def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path) -> None:
-    """SIGKILL at random moments, then the same command again."""
+@pytest.mark.parametrize(
+    "blows", [(3, 11, 23), pytest.param(tuple(range(2, 54, 3)), marks=pytest.mark.slow)], ids=["few", "many"]
+)
+def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path, blows: tuple[int, ...]) -> None:
+    """SIGKILL when so many of the 56 parts are on disk, then the same command again."""
     options = ["--cycles", "5", "--trials", "40", "--descents", "800", "--conditions", "single_novice", "--jobs", "2"]
     command = [
         sys.executable,
@@ -245,7 +248,7 @@ def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
     subprocess.run([*command, *folders, str(undisturbed)], check=True, **quiet)
     kept = []
-    for enough in (3, 11, 23):  # parts on disk when the blow falls
+    for enough in blows:
         process = subprocess.Popen([*command, *folders, str(disturbed)], start_new_session=True, **quiet)
         while process.poll() is None and len(list(disturbed.glob("*/parts/*/[0-9]*.json"))) < enough:
             time.sleep(0.005)
