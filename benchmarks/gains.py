@@ -22,7 +22,7 @@ from fatigue_planner.motion.simulator import MotionRequest, simulate
 
 PAPER = Path(__file__).parents[1] / "experiments" / "paper.yaml"
 # (hand, segment and centre of mass, posture); the experiment's own choice first
-SETS = ((1000, 4, 4), (400, 4, 4), (1600, 20, 4), (1600, 40, 4), (1000, 10, 10))
+SETS = ((1600, 10, 4), (1000, 4, 4), (1000, 10, 4), (1600, 20, 4), (1600, 40, 4))
 
 
 def with_stiffness(experiment: Experiment, hand: float, segment: float, posture: float) -> Experiment:
