@@ -55,6 +55,12 @@ class StaleTableError(FatplanError):
     """The table of trials was made with other settings than the experiment has now."""
 
 
+class LostWorkerError(FatplanError):
+    """A worker process was killed from outside."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

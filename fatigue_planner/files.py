@@ -66,7 +66,9 @@ def set_aside(path: Path) -> Path:
     number = 1
     while (aside := path.with_suffix(f".damaged-{number}")).exists():
         number += 1
-    return path.replace(aside)
+    with contextlib.suppress(FileNotFoundError):  # another run was faster
+        path.replace(aside)
+    return aside
 
 
 def publish_text(path: Path, text: str) -> None:

@@ -6,9 +6,13 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from typing import TypeVar
+
+from fatigue_planner.errors import LostWorkerError
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -42,13 +46,31 @@ def run_parallel(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Itera
         return
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ[f"{library}_NUM_THREADS"] = "1"
-    context = get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(items)), context, _follow_the_parent) as pool:
-        futures = {pool.submit(work, item): place for place, item in enumerate(items)}
+    with ProcessPoolExecutor(min(jobs, len(items)), get_context("spawn"), _follow_the_parent) as pool:
+        with _without_interrupts():  # children being started inherit that, until they ignore SIGINT themselves
+            futures = {pool.submit(work, item): place for place, item in enumerate(items)}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
+        except BrokenProcessPool as error:
+            raise LostWorkerError(
+                "a worker process was killed, perhaps for want of memory. What is finished is kept; run the same "
+                "command again, with fewer --jobs if it recurs."
+            ) from error
         except BaseException:
             print("Stopping after the work in progress (once more to stop at once) ...", file=sys.stderr)
             pool.shutdown(wait=True, cancel_futures=True)
             raise
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Ignore SIGINT for a moment; only a main thread can, and only there it arrives."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)

@@ -57,7 +57,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("height_m: 1.75", 'height_m: "1.75"', "worker.height_m = '1.75': input should be a valid number."),
         ("height_m: 1.75", "hight_m: 1.75", "worker.hight_m: unknown key; did you mean 'height_m'?"),
         ("sex: male", "sex: m", "worker.sex = 'm': input should be 'female' or 'male'."),
-        ("strength: average_man", "strength: hulk", "strength set 'hulk': neither a file nor one of average_man, "),
+        ("strength: average_man", "strength: hulk", "strength set 'hulk': neither one of average_man, average_woman nor"),
         ("knee_flexion: 5 ", "knee: 5 ", "natural_posture_deg: unknown degree of freedom 'knee'"),
         ("knee_flexion: 5 ", "knee_flexion: -5 ", "natural_posture_deg: knee_flexion = -5.0 deg is outside its range"),
         ("ankle_flexion: 2.5", "ankle_flexion: -10", "natural_posture_deg: the body leans, its centre of mass stands "),
@@ -97,6 +97,8 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("name: paper", "name: &n paper\nother: *n", "line 6, column 8: aliases (*name) are not allowed."),
         ("name: paper", "name: !!python/object:os.system {}", "line 5, column 7: could not determine a constructor"),
         ("name: paper", "name: [", "line "),
+        ("mass_kg: 75 ", "mass_kg: 0x4B ", "worker.mass_kg = '0x4B': input should be a valid number."),
+        ("reach_s: 5", "reach_s: 1:30", "cycle.reach_s = '1:30': input should be a valid number."),
         ("name: paper", "1: paper", "line 5, column 1: key 1 is not text."),
     ],
 )  # fmt: skip
@@ -123,7 +125,7 @@ def test_files_that_are_no_experiment(tmp_path: Path, content: str) -> None:
 def test_missing_file_folder_and_binary(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError, match="No such file"):
         load_experiment(tmp_path / "none.yaml")
-    with pytest.raises(ExperimentError, match="directory"):
+    with pytest.raises(ExperimentError, match="is not a file"):
         load_experiment(tmp_path)
     (tmp_path / "b.yaml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ExperimentError, match="UTF-8"):
@@ -132,6 +134,8 @@ def test_missing_file_folder_and_binary(tmp_path: Path) -> None:
 
 def test_numbers_with_exponents_are_numbers(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
-    path.write_text(PAPER.read_text().replace("discount: 0.95", "discount: 95e-2"))
-    assert load_experiment(path).discount == 0.95
+    path.write_text(
+        PAPER.read_text().replace("discount: 0.95", "discount: 95e-2").replace("mass_kg: 75 ", "mass_kg: 075 ")
+    )
+    assert load_experiment(path).discount == 0.95 and load_experiment(path).worker.mass_kg == 75
     assert yaml.safe_load("95e-2") == "95e-2"  # why the reader has its own rule

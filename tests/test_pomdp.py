@@ -74,6 +74,17 @@ def test_live_entries_change_nothing(paper: Experiment, reactions: tuple[Reactio
         np.testing.assert_allclose(model.choice(belief.states[1], a), preference_probabilities(costs, 50.0), rtol=1e-9)
 
 
+def test_a_task_that_tires_nobody_can_be_planned() -> None:
+    """Loads below every threshold: no entry ever becomes non-zero, and every policy still answers."""
+    from fatigue_planner.planners.pomcp import PomcpPolicy
+
+    maps = {(a, u): CycleMap(np.full(3, 0.5), np.zeros(3)) for a, u in product("ab", "xy")}
+    model = build_pomdp("ab", "xy", maps, np.zeros((1, 3)), 0.0, 0.95)
+    belief = Belief(np.zeros((1, model.live.size)), np.ones(1))
+    decision = PomcpPolicy(model, 20, 0.1, False).act(belief, np.random.default_rng(0))
+    assert decision.action == 0 and not decision.values.any()
+
+
 def test_initial_beliefs_are_the_papers(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     model, belief = problem(paper, reactions, paper.benchmark.conditions["multiple_novice"])
     np.testing.assert_allclose(belief.weights, [0.2, 0.4, 0.4])

@@ -161,6 +161,16 @@ def test_files_of_others_are_left_alone(brief: Experiment, tmp_path: Path) -> No
     assert cache.damaged == [] and (tmp_path / "my_measurements.h5").exists()
 
 
+def test_library_with_a_reaction_missing_is_completed(brief: Experiment, tmp_path: Path) -> None:
+    _, path, _ = complete(brief, tmp_path)
+    with h5py.File(path, "r+") as file:
+        del file["reactions/high/arm"]
+    with pytest.raises(DamagedFileError, match="holds no reaction high/arm"):
+        load_reactions(brief, tmp_path, "fatplan simulate")
+    complete(brief, tmp_path)
+    assert len(load_reactions(brief, tmp_path, "fatplan simulate")) == 1
+
+
 def test_damaged_library_is_mended_from_a_sound_twin(brief: Experiment, tmp_path: Path) -> None:
     """Another library holds the same reactions: the damaged one is still noticed and made anew."""
     _, path, _ = complete(brief, tmp_path)

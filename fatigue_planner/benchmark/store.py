@@ -5,7 +5,7 @@ it says. Trials are keyed by cell and number, so it does not matter how a run cu
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
@@ -37,10 +37,7 @@ class TrialStore:
         """
         found: dict[int, TrialResult] = {}
         for path in sorted(self._folder(cell).glob("[0-9]*.json")):
-            trials = self._read(path, cell)
-            for row in trials:
-                number = int(row.pop("trial"))
-                result = TrialResult(**row)
+            for number, result in self._read(path, cell).items():
                 earlier = found.setdefault(number, result)
                 if _outcome(earlier) != _outcome(result):
                     raise DamagedFileError(
@@ -52,17 +49,17 @@ class TrialStore:
     def _folder(self, cell: Cell) -> Path:
         return self.folder / cell.digest()[:DIGEST_LENGTH]
 
-    def _read(self, path: Path, cell: Cell) -> Sequence[dict[str, float]]:
+    def _read(self, path: Path, cell: Cell) -> dict[int, TrialResult]:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             sha256 = content.pop("sha256")
             if sha256 == digest_of(content) and content["digest"] == cell.digest():
-                return list(content["trials"])
+                return {int(row.pop("trial")): TrialResult(**row) for row in content["trials"]}
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass
         set_aside(path)
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
-        return []
+        return {}
 
 
 def _outcome(result: TrialResult) -> tuple[float, float, float]:

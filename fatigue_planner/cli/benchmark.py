@@ -26,7 +26,7 @@ from fatigue_planner.cli.options import (
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, problem
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
 from fatigue_planner.planners.registry import PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import Reaction
@@ -34,6 +34,7 @@ from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.summary import summary_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
+LONGEST_SUFFIX = 120  # file systems end at 255
 SUMMARY_FILE = "summary.txt"
 COMPARISON_FILE = "comparison.csv"
 
@@ -120,7 +121,8 @@ def _suffix(
     numbers = {"trials": trials, "descents": descents, "seed": seed}
     parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
     parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
-    return "".join(parts)
+    suffix = "".join(parts)
+    return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
 def _cells(experiment: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:

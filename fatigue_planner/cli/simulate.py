@@ -44,7 +44,8 @@ def simulate(
     failed = sum(outcome.reaction is None for outcome in outcomes)
     found = sum(outcome.found for outcome in outcomes)
     if failed:
-        typer.echo(f"{failed} of {len(outcomes)} reactions failed; no library is published. The others are kept.")
+        rest = " The others are kept." if failed < len(outcomes) else ""
+        typer.echo(f"{failed} of {len(outcomes)} reactions failed; no library is published.{rest}")
         raise typer.Exit(ExitCode.FAILED_PARTS)
     made = "nothing to simulate" if found == len(outcomes) else f"{len(outcomes) - found} simulated"
     typer.echo(

@@ -9,12 +9,12 @@ from pydantic_core import ErrorDetails
 
 from fatigue_planner.errors import DataFileError, ExperimentError
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.yaml_reader import read_yaml
 from fatigue_planner.fatigue.parameters import fatigue_state
 from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.human.model import build_human
 from fatigue_planner.settings import Settings
+from fatigue_planner.yaml_reader import read_yaml
 
 
 def load_experiment(path: Path) -> Experiment:
@@ -23,7 +23,7 @@ def load_experiment(path: Path) -> Experiment:
     Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, then the first
     of meaning.
     """
-    content = read_yaml(path)
+    content = read_yaml(path, ExperimentError)
     if not isinstance(content, dict):
         raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
     try:

@@ -72,8 +72,10 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
         axes.fill(*outline.T, facecolor=colour, edgecolor="white", linewidth=0.8)
     axes.plot(*flat(points["right_grip"]), "s", color=_TOOL, markersize=4.5)
     axes.set_aspect("equal")
-    axes.set_xlim((-0.62, 0.68) if view is SIDE else (-0.62, 0.62))
-    axes.set_ylim(-0.06, 1.85)
+    across = [float(point @ view.across) for point in points.values()]
+    half = 0.36 * stature  # the same for all, unless somebody reaches farther
+    axes.set_xlim(min(-half, *across) - 0.03, max(half, *across) + 0.03)
+    axes.set_ylim(-0.06, 1.06 * stature)
     axes.set_axis_off()
 
 

@@ -37,6 +37,10 @@ def posture_figure(
         shares = joint_shares(loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm)
         for row, view in enumerate((SIDE, FRONT)):
             draw_human(axes[row, column], human, points, view)
+            if column == 0:
+                axes[row, column].text(
+                    -0.05, 0.5, view.name, transform=axes[row, column].transAxes, rotation=90, va="center"
+                )
             discs = draw_joint_loads(axes[row, column], points, shares, view)
         axes[0, column].set_title(f"{words(reaction.name.action)}, {words(reaction.name.preference)} reaction")
         share_at = {joint.child: shares[joint.name] for joint in JOINTS}
@@ -46,8 +50,8 @@ def posture_figure(
                 | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
                 | {"share_of_maximum": share_at.get(landmark, np.nan)}
             )
-    label = "largest load at the joint, % of the maximum torque"
-    figure.colorbar(discs, ax=list(axes[1]), location="bottom", shrink=0.5, aspect=40, label=label)
+    label = "largest load at the joint, % of the maximum torque (blue square: the tool)"
+    figure.colorbar(discs, ax=list(axes[1]), location="bottom", shrink=0.7, aspect=50, label=label, extend="max")
     return figure, pd.DataFrame(rows)
 
 
@@ -95,6 +99,7 @@ def torque_figure(reactions: Sequence[Reaction], parameters: FatigueParameters) 
             100 * shares,
             height,
             color=COLOURS[place % len(COLOURS)],
+            hatch="" if place < len(COLOURS) else "///",
             label=f"{words(reaction.name.action)}, {words(reaction.name.preference)}",
         )
     thresholds = sorted(set(100 * parameters.threshold))

@@ -24,7 +24,7 @@ def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies
             cell = comparison[(comparison["condition"] == condition) & (comparison["n_cycles"] == n_cycles)]
             _panel(axes[row, column], cell, list(policies))
             axes[row, column].set_title(f"{words(condition)}, $n_{{cycles}}$ = {n_cycles}")
-        axes[row, 0].set_ylabel("discounted accumulated reward")
+        axes[row, 0].set_ylabel("discounted accumulated reward\n(mean ± standard deviation)")
     return figure
 
 
@@ -40,7 +40,7 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
             row["mean"],
             yerr=row["standard_deviation"] or None,
             fmt=MARKERS[look % len(MARKERS)],
-            color=COLOURS[look % len(COLOURS)],
+            color=COLOURS[(look + look // len(MARKERS)) % len(COLOURS)],
             capsize=3,
             markersize=5,
         )

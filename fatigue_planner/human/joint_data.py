@@ -75,7 +75,7 @@ def maximum_torques(name: str) -> tuple[Vector, Vector]:
     path = strength_path(name)
     if not path.exists():
         shipped = ", ".join(sorted(file.stem for file in STRENGTHS.glob("*.yaml")))
-        raise DataFileError(f"strength set {name!r}: neither a file nor one of {shipped}.")
+        raise DataFileError(f"strength set {name!r}: neither one of {shipped} nor a file ({path.absolute()}).")
     table = load_data(path, StrengthTable).degrees_of_freedom
     _complete(path, set(table))
     rows = [table[without_side(dof)] for dof in DEGREES_OF_FREEDOM]

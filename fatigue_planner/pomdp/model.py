@@ -59,7 +59,9 @@ def build_pomdp(
     """
     gain = np.array([[maps[a, u].gain for u in preferences] for a in actions])
     offset = np.array([[maps[a, u].offset for u in preferences] for a in actions])
-    live = np.flatnonzero((offset != 0).any(axis=(0, 1)) | (initial_states != 0).any(axis=0))
+    ever = (offset != 0).any(axis=(0, 1)) | (initial_states != 0).any(axis=0)
+    ever[0] = True  # where nothing ever tires one entry stays, so that no array is empty
+    live = np.flatnonzero(ever)
     return FatiguePomdp(
         actions=tuple(actions),
         preferences=tuple(preferences),

@@ -60,7 +60,8 @@ class ReactionCache:
         except DamagedFileError as error:
             raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
         except KeyError as error:
-            raise DamagedFileError(f"{path}: holds no reaction {error}. Run `{how}`.") from error
+            missing = ", ".join(str(r.name) for r in requests if r.name not in by_name)
+            raise DamagedFileError(f"{path}: holds no reaction {missing}. Run `{how}`.") from error
         for request, reaction in zip(requests, reactions, strict=True):
             if request.digest() != reaction.digest:
                 raise DamagedFileError(f"{path}: {reaction.name} was made with other settings. Run `{how}`.")
@@ -92,11 +93,15 @@ class ReactionCache:
         ordered = [outcomes[str(request.name)] for request in requests]
         reactions = [replace(o.reaction, name=o.name) for o in ordered if o.reaction is not None]
         if len(reactions) == len(requests):
-            if not path.exists():
+            if not self._holds(path, {outcome.digest for outcome in ordered}):
                 write_library(path, reactions)
             for outcome in ordered:
                 self._partial(outcome.digest).unlink(missing_ok=True)
         return path, ordered
+
+    def _holds(self, path: Path, digests: set[str]) -> bool:
+        """Whether a library is there and complete."""
+        return path.exists() and {reaction.digest for reaction in read_library(path, digests)} == digests
 
     def _partial(self, digest: str) -> Path:
         return self.folder / PARTIAL / f"{digest[:DIGEST_LENGTH]}.h5"
@@ -114,6 +119,8 @@ class ReactionCache:
             try:
                 found |= {reaction.digest: reaction for reaction in read_library(path, wanted - found.keys())}
             except DamagedFileError as error:
+                if not path.exists():
+                    continue  # another run has just taken it
                 aside = set_aside(path)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
         return found

@@ -87,7 +87,7 @@ def read_library(path: Path, wanted: Container[str] | None = None) -> tuple[Reac
     Raises DamagedFileError if the file is not a whole, unaltered library.
     """
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(path, "r", locking=False) as file:  # libraries are replaced, never changed
             if file.attrs.get("format") != FORMAT or file.attrs.get("format_version") != FORMAT_VERSION:
                 raise DamagedFileError(f"{path}: is not a {FORMAT} of version {FORMAT_VERSION}.")
             if [name.decode() for name in file["degrees_of_freedom"]] != list(DEGREES_OF_FREEDOM):

@@ -6,9 +6,10 @@ from typing import Any
 
 import yaml
 
-from fatigue_planner.errors import ExperimentError
+from fatigue_planner.errors import FatplanError
 
 LARGEST_FILE_BYTES = 1_000_000
+_NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -37,25 +38,37 @@ _StrictLoader.add_constructor(
     "tag:yaml.org,2002:seq", lambda loader, node: tuple(loader.construct_object(item, deep=True) for item in node.value)
 )
 
-# YAML 1.2's numbers; PyYAML follows YAML 1.1, where 1e-3 is a string.
+# YAML 1.2's numbers: in PyYAML's YAML 1.1 1e-3 is a string, 075 octal and 1:30 ninety.
+_StrictLoader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag not in _NUMBERS]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_DIGITS = list("-+.0123456789")
+_StrictLoader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?\d+$"), _DIGITS)
 _StrictLoader.add_implicit_resolver(
-    "tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+(\.\d*)?|\.\d+)[eE][-+]?\d+$"), list("-+.0123456789")
+    "tag:yaml.org,2002:float",
+    re.compile(r"^[-+]?(\.\d+|\d+(\.\d*)?)([eE][-+]?\d+)?$|^[-+]?\.(inf|Inf|INF)$|^\.(nan|NaN|NAN)$"),
+    _DIGITS,
 )
+_StrictLoader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(loader.construct_scalar(node)))
 
 
-def read_yaml(path: Path) -> Any:
-    """The content of a YAML file. Raises ExperimentError naming the file and, where known, the line."""
+def read_yaml(path: Path, error_type: type[FatplanError]) -> Any:
+    """The content of a YAML file. Raises `error_type` naming the file and, where known, the line."""
     try:
+        if not path.is_file():
+            reason = "is not a file" if path.exists() else "No such file"
+            raise error_type(f"{path.absolute()}: cannot be read ({reason}).")
         if path.stat().st_size > LARGEST_FILE_BYTES:
-            raise ExperimentError(f"{path}: is larger than {LARGEST_FILE_BYTES} bytes; this is no experiment file.")
+            raise error_type(f"{path}: is larger than {LARGEST_FILE_BYTES} bytes; this is not one of ours.")
         return yaml.load(path.read_text(encoding="utf-8"), Loader=_StrictLoader)
     except OSError as error:
-        raise ExperimentError(f"{path}: cannot be read ({error.strerror}).") from error
+        raise error_type(f"{path}: cannot be read ({error.strerror}).") from error
     except UnicodeDecodeError as error:
-        raise ExperimentError(f"{path}: is not a text file in UTF-8.") from error
+        raise error_type(f"{path}: is not a text file in UTF-8.") from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        raise ExperimentError(f"{path}: {place}{error.problem}.") from error
+        raise error_type(f"{path}: {place}{error.problem}.") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise ExperimentError(f"{path}: is not valid YAML ({error}).") from error
+        raise error_type(f"{path}: is not valid YAML ({error}).") from error
