@@ -57,7 +57,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("height_m: 1.75", 'height_m: "1.75"', "worker.height_m = '1.75': input should be a valid number."),
         ("height_m: 1.75", "hight_m: 1.75", "worker.hight_m: unknown key; did you mean 'height_m'?"),
         ("sex: male", "sex: m", "worker.sex = 'm': input should be 'female' or 'male'."),
-        ("strength: average_man", "strength: hulk", "strength set 'hulk': neither one of average_man, average_woman nor"),
+        ("strength: average_man", "strength: hulk", "strength set 'hulk': neither one of average_man, "),
         ("knee_flexion: 5 ", "knee: 5 ", "natural_posture_deg: unknown degree of freedom 'knee'"),
         ("knee_flexion: 5 ", "knee_flexion: -5 ", "natural_posture_deg: knee_flexion = -5.0 deg is outside its range"),
         ("ankle_flexion: 2.5", "ankle_flexion: -10", "natural_posture_deg: the body leans, its centre of mass stands "),
