@@ -238,7 +238,7 @@ def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path
     command = [
         sys.executable,
         "-c",
-        "from fatigue_planner.cli.main import run; run()",
+        "from fatigue_planner.cli.entry import run; run()",
         "benchmark",
         str(PAPER),
         *options,

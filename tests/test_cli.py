@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from conftest import PAPER
 
-FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.main import run; run()"]
+FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run()"]
 
 
 def fatplan(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -242,6 +242,14 @@ def test_interruption_keeps_what_is_finished(cache_folder: Path, tmp_path: Path,
     # what was stored is still there, and the work in progress has been finished and stored as well
     assert at_the_signal < set(parts.glob("*/[0-9]*.json"))
     assert "is kept; the same command goes on" in errors and "Traceback" not in errors
+
+
+def test_stopped_while_it_loads() -> None:
+    process = subprocess.Popen([*FATPLAN, "--help"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.7)
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 143 and errors.startswith("Stopped.") and len(errors.splitlines()) == 1
 
 
 def test_help_and_version() -> None:
