@@ -244,12 +244,21 @@ def test_interruption_keeps_what_is_finished(cache_folder: Path, tmp_path: Path,
     assert "is kept; the same command goes on" in errors and "Traceback" not in errors
 
 
+STOPPED_ON_IMPORT = """
+import os, signal, sys
+class Stopper:
+    def find_spec(self, name, *_):
+        if name == "fatigue_planner.cli.main":
+            os.kill(os.getpid(), signal.SIGTERM)
+sys.meta_path.insert(0, Stopper())
+from fatigue_planner.cli.entry import run
+run()
+"""
+
+
 def test_stopped_while_it_loads() -> None:
-    process = subprocess.Popen([*FATPLAN, "--help"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(0.7)
-    process.send_signal(signal.SIGTERM)
-    _, errors = process.communicate(timeout=60)
-    assert process.returncode == 143 and errors.startswith("Stopped.") and len(errors.splitlines()) == 1
+    done = subprocess.run([sys.executable, "-c", STOPPED_ON_IMPORT], capture_output=True, text=True, check=False)
+    assert done.returncode == 143 and done.stderr.startswith("Stopped.") and len(done.stderr.splitlines()) == 1
 
 
 def test_help_and_version() -> None:
