@@ -181,11 +181,9 @@ def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Pat
     run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
     part = sorted(tmp_path.glob("*/*.json"))[0]
     whole = part.read_bytes()
-    rng = random.Random(1)
-    for _ in range(60):
+    for place in range(0, len(whole), 7):
         data = bytearray(whole)
-        place = rng.randrange(len(data))
-        data[place] ^= 1 << rng.randrange(8)
+        data[place] ^= 1 << place % 8
         part.write_bytes(data)
         store = TrialStore(tmp_path)
         store.load(cells[0])

@@ -8,6 +8,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.trial import TrialResult
@@ -26,8 +27,7 @@ class TrialStore:
         """Keep some trials of a cell. Raises OutputFolderError if they cannot be written."""
         trials = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]
         content = {"cell": cell.name, "digest": cell.digest(), "trials": trials}
-        text = canonical_json({**content, "sha256": digest_of(content)})
-        publish_text(self._folder(cell) / f"{min(results)}-{max(results)}.json", text)
+        publish_text(self._folder(cell) / f"{min(results)}-{max(results)}.json", _text(content))
 
     def load(self, cell: Cell) -> dict[int, TrialResult]:
         """The finished trials of a cell, by number.
@@ -51,15 +51,22 @@ class TrialStore:
 
     def _read(self, path: Path, cell: Cell) -> dict[int, TrialResult]:
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-            sha256 = content.pop("sha256")
-            if sha256 == digest_of(content) and content["digest"] == cell.digest():
+            text = path.read_text(encoding="utf-8")
+            content = json.loads(text)
+            # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
+            intact = content.pop("sha256") == digest_of(content) and text == _text(content)
+            if intact and content["digest"] == cell.digest():
                 return {int(row.pop("trial")): TrialResult(**row) for row in content["trials"]}
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass
         set_aside(path)
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
         return {}
+
+
+def _text(content: Mapping[str, Any]) -> str:
+    """A part's file: what it says and its SHA-256."""
+    return canonical_json({**content, "sha256": digest_of(content)})
 
 
 def _outcome(result: TrialResult) -> tuple[float, float, float]:
