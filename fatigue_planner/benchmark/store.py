@@ -26,8 +26,9 @@ class TrialStore:
     def add(self, cell: Cell, results: Mapping[int, TrialResult]) -> None:
         """Keep some trials of a cell. Raises OutputFolderError if they cannot be written."""
         trials = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]
-        content = {"cell": cell.name, "digest": cell.digest(), "trials": trials}
-        publish_text(self._folder(cell) / f"{min(results)}-{max(results)}.json", _text(content))
+        digest = cell.digest()
+        content = {"cell": cell.name, "digest": digest, "trials": trials}
+        publish_text(self._folder(digest) / f"{min(results)}-{max(results)}.json", _text(content))
 
     def load(self, cell: Cell) -> dict[int, TrialResult]:
         """The finished trials of a cell, by number.
@@ -36,8 +37,9 @@ class TrialStore:
         DamagedFileError, showing both.
         """
         found: dict[int, TrialResult] = {}
-        for path in sorted(self._folder(cell).glob("[0-9]*.json")):
-            for number, result in self._read(path, cell).items():
+        digest = cell.digest()
+        for path in sorted(self._folder(digest).glob("[0-9]*.json")):
+            for number, result in self._read(path, digest).items():
                 earlier = found.setdefault(number, result)
                 if _outcome(earlier) != _outcome(result):
                     raise DamagedFileError(
@@ -46,16 +48,16 @@ class TrialStore:
                     )
         return found
 
-    def _folder(self, cell: Cell) -> Path:
-        return self.folder / cell.digest()[:DIGEST_LENGTH]
+    def _folder(self, digest: str) -> Path:
+        return self.folder / digest[:DIGEST_LENGTH]
 
-    def _read(self, path: Path, cell: Cell) -> dict[int, TrialResult]:
+    def _read(self, path: Path, digest: str) -> dict[int, TrialResult]:
         try:
             text = path.read_text(encoding="utf-8")
             content = json.loads(text)
             # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
             intact = content.pop("sha256") == digest_of(content) and text == _text(content)
-            if intact and content["digest"] == cell.digest():
+            if intact and content["digest"] == digest:
                 return {int(row.pop("trial")): TrialResult(**row) for row in content["trials"]}
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass

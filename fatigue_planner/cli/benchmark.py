@@ -1,6 +1,7 @@
 """`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -29,7 +30,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
 from fatigue_planner.planners.registry import PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.summary import summary_text
 
@@ -58,10 +59,11 @@ def benchmark(
     where it stopped when it is started again, and ends in the same table.
     """
     settings = load_experiment(experiment)
-    grid = _changed(settings, cycles, conditions, policies, trials, descents, seed)
+    wanted = Selection(cycles, conditions, policies, trials, descents, seed)
+    grid = _changed(settings, wanted)
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
-    folder = writable_folder(results / (settings.name + _suffix(cycles, conditions, policies, trials, descents, seed)))
+    folder = writable_folder(results / (settings.name + _suffix(wanted)))
     cells = _cells(grid, reactions)
     table = _run(cells, store, jobs)
     publish_table(folder, table)
@@ -72,7 +74,7 @@ def benchmark(
     configuration = {
         "experiment": grid.plain(),
         "seed": grid.benchmark.seed,
-        "reactions": {str(reaction.name): reaction.digest for reaction in reactions},
+        "reactions": digests(reactions),
     }
     files = [folder / name for name in (TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE)]
     publish_manifest(folder, "benchmark", configuration, files)
@@ -81,44 +83,46 @@ def benchmark(
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
 
 
-def _changed(
-    experiment: Experiment,
-    cycles: list[int] | None,
-    conditions: list[str] | None,
-    policies: list[str] | None,
-    trials: int | None,
-    descents: int | None,
-    seed: int | None,
-) -> Experiment:
+@dataclass(frozen=True)
+class Selection:
+    """What the options ask of the grid; None leaves it as it is in the file."""
+
+    cycles: Sequence[int] | None
+    conditions: Sequence[str] | None
+    policies: Sequence[str] | None
+    trials: int | None
+    descents: int | None
+    seed: int | None
+
+
+def _changed(experiment: Experiment, wanted: Selection) -> Experiment:
     """The experiment with the grid the options ask for. Raises SelectionError for unknown names."""
     grid = experiment.benchmark
-    chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), policies)}
-    if descents is not None:
+    chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), wanted.policies)}
+    if wanted.descents is not None:
         chosen_policies = {
-            name: policy.model_copy(update={"descents": descents}) if isinstance(policy, PomcpSettings) else policy
+            name: policy.model_copy(update={"descents": wanted.descents})
+            if isinstance(policy, PomcpSettings)
+            else policy
             for name, policy in chosen_policies.items()
         }
+    chosen_conditions = choose("conditions", list(grid.conditions), wanted.conditions)
     changes = {
-        "n_cycles": tuple(choose("cycles", grid.n_cycles, cycles)),
-        "conditions": {name: grid.conditions[name] for name in choose("conditions", list(grid.conditions), conditions)},
+        "n_cycles": tuple(choose("cycles", grid.n_cycles, wanted.cycles)),
+        "conditions": {name: grid.conditions[name] for name in chosen_conditions},
         "policies": chosen_policies,
-        "trials": trials or grid.trials,
-        "seed": grid.seed if seed is None else seed,
+        "trials": wanted.trials or grid.trials,
+        "seed": grid.seed if wanted.seed is None else wanted.seed,
     }
     return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes)})
 
 
-def _suffix(
-    cycles: list[int] | None,
-    conditions: list[str] | None,
-    policies: list[str] | None,
-    trials: int | None,
-    descents: int | None,
-    seed: int | None,
-) -> str:
+def _suffix(wanted: Selection) -> str:
     """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
-    lists: dict[str, Sequence[object] | None] = {"cycles": cycles, "conditions": conditions, "policies": policies}
-    numbers = {"trials": trials, "descents": descents, "seed": seed}
+    lists: dict[str, Sequence[object] | None] = {
+        "cycles": wanted.cycles, "conditions": wanted.conditions, "policies": wanted.policies
+    }  # fmt: skip
+    numbers = {"trials": wanted.trials, "descents": wanted.descents, "seed": wanted.seed}
     parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
     parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
     suffix = "".join(parts)

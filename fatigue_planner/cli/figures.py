@@ -27,7 +27,7 @@ from fatigue_planner.figures.style import save_figure
 from fatigue_planner.files import writable_folder
 from fatigue_planner.human.model import build_human
 from fatigue_planner.provenance import check_manifest, publish_manifest
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.statistics.comparison import comparison_table
 
 # Settings that a table of trials does not depend on.
@@ -59,7 +59,7 @@ def figures(
     parameters = fatigue_parameters(settings.fatigue, settings.worker.strength)
     files += save_figure(folder, "reactions", *posture_figure(human, reactions, parameters))
     files += save_figure(folder, "torques", *torque_figure(reactions, parameters))
-    configuration = {"reactions": {str(reaction.name): reaction.digest for reaction in reactions}}
+    configuration = {"reactions": digests(reactions)}
     publish_manifest(folder, "figures", configuration, files)
     for path in files:
         if path.suffix == ".png":
@@ -72,7 +72,7 @@ def _check_origin(
     """Raise StaleTableError, naming what differs, unless the table was made from these settings and reactions."""
     made, now = note["experiment"], settings.plain()
     changed = [key for key in now if key not in NOT_IN_THE_TABLE and made.get(key) != now[key]]
-    if note["reactions"] != {str(reaction.name): reaction.digest for reaction in reactions}:
+    if note["reactions"] != digests(reactions):
         changed.append("reactions")
     if changed:
         raise StaleTableError(

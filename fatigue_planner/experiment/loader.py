@@ -45,8 +45,9 @@ def _check_meaning(experiment: Experiment) -> None:
     for states in experiment.initial_beliefs.values():
         for state in states:
             fatigue_state(state.fatigue)
+    longest = _longest_reach_m(experiment)
     for name, action in experiment.actions.items():
-        position, longest = action.position_m, _longest_reach_m(experiment)
+        position = action.position_m
         distance = float(np.linalg.norm([position.x, position.y, position.z]))
         if distance > longest:
             raise DataFileError(

@@ -1,6 +1,6 @@
 """A postural reaction: what the worker does for an action with a preference, and what it costs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
@@ -56,6 +56,11 @@ class Reaction:
     settings: Mapping[str, object]
     motion: Motion
     quality: Quality
+
+
+def digests(reactions: Iterable[Reaction]) -> dict[str, str]:
+    """The digest of every reaction, by name."""
+    return {str(reaction.name): reaction.digest for reaction in reactions}
 
 
 def versions() -> dict[str, str]:
