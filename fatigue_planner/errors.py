@@ -37,6 +37,10 @@ class MissingLibraryError(FatplanError):
     """The reactions an experiment needs have not been simulated."""
 
 
+class OtherVersionError(FatplanError):
+    """A reaction library was written by a version of fatplan with another file format."""
+
+
 class OutputFolderError(FatplanError):
     """A file or folder cannot be written."""
 

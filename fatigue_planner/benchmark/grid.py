@@ -1,18 +1,13 @@
 """The cells of a benchmark and the selection a command makes of them."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import TypeVar
 
-from fatigue_planner.errors import SelectionError
 from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import PolicySettings, build_policy
 from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.pomdp.model import FatiguePomdp
-
-T = TypeVar("T")
 
 # What produces the numbers of a trial besides its settings and reactions.
 SOURCES = ("fatigue", "pomdp", "planners", "benchmark")
@@ -60,17 +55,3 @@ class Cell:
     def trial_numbers(self) -> range:
         """The trials to run: one where every run is the same."""
         return range(1 if self.is_deterministic() else self.trials)
-
-
-def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> list[T]:
-    """The wanted items in the order of `available`; all, if nothing is wanted in particular.
-
-    Raises SelectionError naming what is not available.
-    """
-    if not wanted:
-        return list(available)
-    unknown = [item for item in wanted if item not in available]
-    if unknown:
-        named, known = ", ".join(map(str, unknown)), ", ".join(map(str, available))
-        raise SelectionError(f"--{what} {named}: not in the experiment; available: {known}.")
-    return [item for item in available if item in wanted]

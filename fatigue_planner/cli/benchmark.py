@@ -1,6 +1,6 @@
 """`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -9,7 +9,7 @@ import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from fatigue_planner.benchmark.grid import Cell, choose
+from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
 from fatigue_planner.cli.options import (
@@ -21,16 +21,18 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     ResultsFolder,
+    choose,
     command_line,
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, problem
+from fatigue_planner.experiment.resolve import load_cycle_maps, problem, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.cycle_map import CycleMap
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
 from fatigue_planner.planners.registry import PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.reactions.reaction import Reaction, digests
+from fatigue_planner.reactions.reaction import ReactionName, digests
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.summary import summary_text
 
@@ -61,10 +63,10 @@ def benchmark(
     settings = load_experiment(experiment)
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = _changed(settings, wanted)
-    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    maps = load_cycle_maps(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
     folder = writable_folder(results / (settings.name + _suffix(wanted)))
-    cells = _cells(grid, reactions)
+    cells = _cells(grid, maps)
     table = _run(cells, store, jobs)
     publish_table(folder, table)
     comparison = comparison_table(table, settings.significance_level)
@@ -74,7 +76,7 @@ def benchmark(
     configuration = {
         "experiment": grid.plain(),
         "seed": grid.benchmark.seed,
-        "reactions": digests(reactions),
+        "reactions": digests(reaction_requests(settings)),
     }
     files = [folder / name for name in (TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE)]
     publish_manifest(folder, "benchmark", configuration, files)
@@ -129,9 +131,9 @@ def _suffix(wanted: Selection) -> str:
     return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
-def _cells(experiment: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+def _cells(experiment: Experiment, maps: Mapping[ReactionName, CycleMap]) -> list[Cell]:
     grid = experiment.benchmark
-    problems = {name: problem(experiment, reactions, condition) for name, condition in grid.conditions.items()}
+    problems = {name: problem(experiment, maps, condition) for name, condition in grid.conditions.items()}
     return [
         Cell(condition, n_cycles, policy, settings, *problems[condition], grid.seed, grid.trials)
         for condition in grid.conditions

@@ -1,40 +1,52 @@
-"""`fatplan human`: the worker of an experiment, shown or exported."""
+"""`fatplan human`: the workers of an experiment, shown or exported."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.options import DEFAULT_EXPERIMENT, ExperimentFile
+from fatigue_planner.cli.options import DEFAULT_EXPERIMENT, ExperimentFile, choose
+from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.exports.urdf import urdf_text
 from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
 from fatigue_planner.files import publish_text
-from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
+
+Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repeatable).")]
 
 app = typer.Typer(help="Show or export the digital human of an experiment.", no_args_is_help=True)
 
 
 @app.command()
-def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT) -> None:
-    """Print the worker's segments, ranges of motion and strengths."""
-    worker = load_experiment(experiment).worker
-    typer.echo(f"{worker.sex}, {worker.height_m} m, {worker.mass_kg} kg, strength {worker.strength}\n")
-    typer.echo(segment_frame(worker).to_string(index=False, float_format="{:.4f}".format))
-    typer.echo()
-    typer.echo(joint_frame(worker).to_string(index=False, float_format="{:.1f}".format))
+def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = None) -> None:
+    """Print the workers' segments, ranges of motion and strengths."""
+    known = load_experiment(experiment).workers
+    for name in choose("workers", list(known), workers):
+        person = known[name]
+        about = f"{person.sex}, {person.height_m} m, {person.mass_kg} kg, strength {person.strength}"
+        typer.echo(f"{name}: {about}\n")
+        typer.echo(segment_frame(person).to_string(index=False, float_format="{:.4f}".format))
+        typer.echo()
+        typer.echo(joint_frame(person).to_string(index=False, float_format="{:.1f}".format))
+        typer.echo()
 
 
 @app.command()
 def export(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
     output: Annotated[Path, typer.Option(help="The URDF file to write.")] = Path("human.urdf"),
+    worker: Annotated[str | None, typer.Option(help="The worker, if the experiment has several.")] = None,
     tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
     settings = load_experiment(experiment)
-    human = build_human(settings.worker, settings.tool.mass_kg if tool else 0.0)
-    strength = maximum_torques(settings.worker.strength)
+    if worker is None and len(settings.workers) > 1:
+        raise SelectionError(f"--worker: is missing; choose one of {', '.join(settings.workers)}.")
+    (name,) = choose("workers", list(settings.workers), [worker] if worker else None)
+    person = settings.workers[name]
+    human = build_human(person, settings.tool.mass_kg if tool else 0.0)
+    strength = maximum_torque(person.strength).vectors()
     publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
     typer.echo(f"{output}: {len(human.model.names) - 2} joints, {human.mass_kg:.1f} kg")

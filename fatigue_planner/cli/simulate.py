@@ -27,7 +27,7 @@ def simulate(
 
     The joint torques, motions and contact forces go to a reaction library (HDF5) in the cache folder.
     What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
-    is reported and not kept.
+    is reported and not kept; one that had to pass a limit a little is kept as degraded, and says so.
     """
     begin = time.perf_counter()
     settings = load_experiment(experiment)
@@ -40,8 +40,8 @@ def simulate(
     for warning in store.damaged:
         console.print(f"Warning: {warning}", markup=False)
     for outcome in outcomes:
-        typer.echo(f"  {outcome.name!s:<24} {_verdict(outcome)}")
-    failed = sum(outcome.reaction is None for outcome in outcomes)
+        typer.echo(f"  {outcome.name!s:<32} {_words(outcome)}")
+    failed = sum(outcome.verdict == "failed" for outcome in outcomes)
     found = sum(outcome.found for outcome in outcomes)
     if failed:
         rest = " The others are kept." if failed < len(outcomes) else ""
@@ -53,11 +53,13 @@ def simulate(
     )
 
 
-def _verdict(outcome: Outcome) -> str:
-    if outcome.reaction is None:
+def _words(outcome: Outcome) -> str:
+    if outcome.verdict == "failed" or outcome.quality is None:
         return f"FAILED: {outcome.failure}"
-    quality = outcome.reaction.quality
+    quality = outcome.quality
     return (
-        f"{'found' if outcome.found else 'simulated'}; hand within {quality.work_hand_error_m * 1000:.1f} mm of its "
-        f"target, equation of motion within {quality.equation_of_motion_nm:.0e} N.m"
+        f"{'found' if outcome.found else 'simulated'}, {outcome.verdict}; hand within "
+        f"{quality.work_hand_error_m * 1000:.1f} mm of its target, equation of motion within "
+        f"{quality.equation_of_motion_nm:.0e} N.m"
+        + (f"; {quality.degradation()}" if outcome.verdict == "degraded" else "")
     )

@@ -6,7 +6,9 @@ from pydantic import Field, StringConstraints, model_validator
 
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
-from fatigue_planner.motion.settings import Accuracy, Action, Controller, Cycle, Preference
+from fatigue_planner.motion.action import Action
+from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
+from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.registry import PolicySettings
 from fatigue_planner.settings import Settings
 
@@ -14,7 +16,9 @@ Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,39}$
 Level = Annotated[float, Field(ge=0, le=1)]
 
 # Names of the files a results folder holds besides the figures of the returns.
-RESERVED = ("trials", "comparison", "planning_times", "reactions", "torques", "manifest", "summary")
+RESERVED = (
+    "trials", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest", "summary",
+)  # fmt: skip
 
 
 class InitialState(Settings):
@@ -25,8 +29,12 @@ class InitialState(Settings):
 
 
 class Condition(Settings):
-    """What is varied between runs besides policy and length: knowledge of the start, expertise."""
+    """What is varied between runs besides policy and length: the worker, what is known of the start, expertise.
 
+    Where an experiment has one worker only, `worker` may be left out.
+    """
+
+    worker: Name | None = None
     initial_belief: Name
     # beta of Eq. 4; .inf is an expert. NaN fails ge=0.
     expertise: float = Field(ge=0, allow_inf_nan=True)
@@ -46,7 +54,7 @@ class Experiment(Settings):
     """Everything that defines an experiment."""
 
     name: Name
-    worker: Worker
+    workers: dict[Name, Worker] = Field(min_length=1)
     tool: Tool
     cycle: Cycle
     actions: dict[Name, Action] = Field(min_length=1)
@@ -68,6 +76,12 @@ class Experiment(Settings):
             if abs(total - 1) > 1e-9:
                 raise ValueError(f"initial_beliefs.{name}: probabilities sum to {total:g}, not to 1")
         for name, condition in self.benchmark.conditions.items():
+            if condition.worker is None and len(self.workers) > 1:
+                raise ValueError(f"benchmark.conditions.{name}.worker: is missing; choose one of {self._workers()}")
+            if condition.worker is not None and condition.worker not in self.workers:
+                raise ValueError(
+                    f"benchmark.conditions.{name}.worker: {condition.worker!r} is not one of {self._workers()}"
+                )
             if condition.initial_belief not in self.initial_beliefs:
                 raise ValueError(
                     f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
@@ -77,8 +91,8 @@ class Experiment(Settings):
         if repeated:
             raise ValueError(f"benchmark.n_cycles: {repeated[0]} stands twice")
         for name, conditions in self.figures.items():
-            if name in RESERVED:
-                raise ValueError(f"figures.{name}: this name is used for another file; choose one not in {RESERVED}")
+            if name.startswith(RESERVED):
+                raise ValueError(f"figures.{name}: names that begin like another file are taken: {', '.join(RESERVED)}")
             unknown = [condition for condition in conditions if condition not in self.benchmark.conditions]
             if unknown or not conditions:
                 raise ValueError(
@@ -86,3 +100,10 @@ class Experiment(Settings):
                     f"{', '.join(self.benchmark.conditions)}"
                 )
         return self
+
+    def _workers(self) -> str:
+        return ", ".join(self.workers)
+
+    def worker_of(self, condition: Condition) -> str:
+        """The name of a condition's worker."""
+        return condition.worker or next(iter(self.workers))

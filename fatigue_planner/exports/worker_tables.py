@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from fatigue_planner.human.anthropometry import Anthropometry
-from fatigue_planner.human.joint_data import maximum_torques, position_limits
+from fatigue_planner.human.joint_data import maximum_torque, position_limits
 from fatigue_planner.human.model import Worker
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 
@@ -29,7 +29,7 @@ def joint_frame(worker: Worker) -> pd.DataFrame:
     Raises DataFileError for an unknown strength set.
     """
     lower, upper = position_limits()
-    positive, negative = maximum_torques(worker.strength)
+    positive, negative = maximum_torque(worker.strength).vectors()
     return pd.DataFrame(
         {
             "degree_of_freedom": DEGREES_OF_FREEDOM,

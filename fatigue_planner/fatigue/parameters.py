@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from fatigue_planner.errors import DataFileError
-from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.joint_data import MaximumTorque
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
 from fatigue_planner.settings import Settings
 
@@ -18,12 +18,25 @@ DIRECTIONS = ("positive", "negative")
 ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
 
 
+class JointFatigue(Settings):
+    """What is different at a joint from the rates and threshold of all."""
+
+    fatigue_rate_per_s: float | None = Field(default=None, gt=0)
+    recovery_rate_per_s: float | None = Field(default=None, gt=0)
+    threshold: float | None = Field(default=None, ge=0, lt=1)
+
+
 class FatigueSettings(Settings):
-    """Rates and threshold of Eq. 2, the same for every joint."""
+    """Rates and threshold of Eq. 2, the same for every joint but those under `joints`.
+
+    A joint is named as in an initial belief: an entry, a degree of freedom, or either without its side.
+    Where two names mean the same entry, the later one holds.
+    """
 
     fatigue_rate_per_s: float = Field(gt=0)
     recovery_rate_per_s: float = Field(gt=0)
     threshold: float = Field(ge=0, lt=1)
+    joints: dict[str, JointFatigue] = Field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -36,14 +49,22 @@ class FatigueParameters:
     maximum_torque_nm: Vector
 
 
-def fatigue_parameters(settings: FatigueSettings, strength: str) -> FatigueParameters:
-    """The parameters of a worker with a strength set. Raises DataFileError for an unknown set."""
+def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> FatigueParameters:
+    """The parameters of a worker with these strengths. Raises DataFileError for an unknown joint."""
     ones = np.ones(len(ENTRIES))
+    rates = {
+        "fatigue_rate_per_s": settings.fatigue_rate_per_s * ones,
+        "recovery_rate_per_s": settings.recovery_rate_per_s * ones,
+        "threshold": settings.threshold * ones,
+    }
+    for name, own in settings.joints.items():
+        for key, value in own.model_dump(exclude_none=True).items():
+            rates[key][_places(name, f"fatigue.joints.{name}")] = value
     return FatigueParameters(
-        fatigue_rate=settings.fatigue_rate_per_s * ones,
-        recovery_rate=settings.recovery_rate_per_s * ones,
-        threshold=settings.threshold * ones,
-        maximum_torque_nm=np.concatenate(maximum_torques(strength)),
+        fatigue_rate=rates["fatigue_rate_per_s"],
+        recovery_rate=rates["recovery_rate_per_s"],
+        threshold=rates["threshold"],
+        maximum_torque_nm=np.concatenate(strength.vectors()),
     )
 
 
@@ -55,11 +76,16 @@ def fatigue_state(levels: dict[str, float]) -> Vector:
     """
     state = np.zeros(len(ENTRIES))
     for name, level in levels.items():
-        places = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
-        if not places:
-            raise DataFileError(f"fatigue: unknown joint {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
-        state[places] = level
+        state[_places(name, "fatigue")] = level
     return state
+
+
+def _places(name: str, key: str) -> list[int]:
+    """The entries a name means. Raises DataFileError, naming the key, if there is none."""
+    places = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
+    if not places:
+        raise DataFileError(f"{key}: unknown joint {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
+    return places
 
 
 def _names_of(entry: str) -> set[str]:

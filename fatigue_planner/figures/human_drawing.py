@@ -1,6 +1,6 @@
 """The digital human drawn as capsules in a plane, seen from the right or from the front."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,8 +54,10 @@ def landmarks(human: Human, configuration: Vector) -> dict[str, Vector]:
     return points
 
 
-def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: View) -> None:
-    """Draw the body, the tool and the ground, far parts first."""
+def draw_human(
+    axes: Axes, human: Human, points: Mapping[str, Vector], view: View, working: Sequence[str] = ("right",)
+) -> None:
+    """Draw the body, squares at the fists that work and the ground, far parts first."""
     stature = human.anthropometry.stature_m
 
     def flat(point: Vector) -> Vector:
@@ -70,7 +72,8 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
         colour = _RIGHT if start.startswith("right") and end.startswith("right") else _BODY
         outline = _capsule(flat(points[start]), flat(points[end]), radius * stature)
         axes.fill(*outline.T, facecolor=colour, edgecolor="white", linewidth=0.8)
-    axes.plot(*flat(points["right_grip"]), "s", color=_TOOL, markersize=4.5)
+    for side in working:
+        axes.plot(*flat(points[f"{side}_grip"]), "s", color=_TOOL, markersize=4.5)
     axes.set_aspect("equal")
     across = [float(point @ view.across) for point in points.values()]
     half = 0.36 * stature  # the same for all, unless somebody reaches farther

@@ -34,6 +34,17 @@ class Strength(Settings):
     source: str
 
 
+class MaximumTorque(Settings):
+    """Maximum torques of all degrees of freedom in both directions, each (39,) N.m."""
+
+    positive_nm: tuple[float, ...]
+    negative_nm: tuple[float, ...]
+
+    def vectors(self) -> tuple[Vector, Vector]:
+        """The torques as arrays (39,): positive, negative direction."""
+        return np.array(self.positive_nm), np.array(self.negative_nm)
+
+
 class StrengthTable(Settings):
     """Content of a file of data/strengths."""
 
@@ -67,11 +78,8 @@ def strength_path(name: str) -> Path:
     return shipped if shipped.exists() else Path(name)
 
 
-def maximum_torques(name: str) -> tuple[Vector, Vector]:
-    """Nominal maximum torques (positive, negative direction), each (39,) N.m, both > 0.
-
-    Raises DataFileError for an unknown, unreadable or incomplete set.
-    """
+def maximum_torque(name: str) -> MaximumTorque:
+    """The maximum torques of a strength set. Raises DataFileError for an unknown, unreadable or incomplete set."""
     path = strength_path(name)
     if not path.exists():
         shipped = ", ".join(sorted(file.stem for file in STRENGTHS.glob("*.yaml")))
@@ -79,25 +87,31 @@ def maximum_torques(name: str) -> tuple[Vector, Vector]:
     table = load_data(path, StrengthTable).degrees_of_freedom
     _complete(path, set(table))
     rows = [table[without_side(dof)] for dof in DEGREES_OF_FREEDOM]
-    return np.array([row.positive for row in rows]), np.array([row.negative for row in rows])
+    return MaximumTorque(
+        positive_nm=tuple(row.positive for row in rows), negative_nm=tuple(row.negative for row in rows)
+    )
 
 
-def posture(angles_deg: dict[str, float]) -> Vector:
+def degrees_of_freedom(name: str) -> list[int]:
+    """Places in a joint vector of a degree of freedom; without its side, of both sides; empty if unknown."""
+    return [i for i, dof in enumerate(DEGREES_OF_FREEDOM) if name in {dof, without_side(dof)}]
+
+
+def posture(angles_deg: dict[str, float], key: str) -> Vector:
     """Joint angles (39,) rad from degrees by name; a name without side sets both; the rest are 0.
 
-    Raises DataFileError for an unknown name or an angle outside the range of motion.
+    Raises DataFileError, naming the `key` of the experiment, for an unknown name or an angle outside the
+    range of motion.
     """
     lower, upper = position_limits()
     angles = np.zeros(len(DEGREES_OF_FREEDOM))
     for name, degrees in angles_deg.items():
-        places = [i for i, dof in enumerate(DEGREES_OF_FREEDOM) if name in {dof, without_side(dof)}]
+        places = degrees_of_freedom(name)
         if not places:
-            raise DataFileError(
-                f"natural_posture_deg: unknown degree of freedom {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}"
-            )
+            raise DataFileError(f"{key}: unknown degree of freedom {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
         if not np.degrees(lower[places[0]]) <= degrees <= np.degrees(upper[places[0]]):
             raise DataFileError(
-                f"natural_posture_deg: {name} = {degrees} deg is outside its range of motion "
+                f"{key}: {name} = {degrees} deg is outside its range of motion "
                 f"[{np.degrees(lower[places[0]]):.0f}, {np.degrees(upper[places[0]]):.0f}] deg"
             )
         angles[places] = np.radians(degrees)

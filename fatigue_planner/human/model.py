@@ -62,7 +62,7 @@ class Human:
 
     @property
     def mass_kg(self) -> float:
-        """Total mass, tool included."""
+        """Total mass, with what the hands hold."""
         return float(pin.computeTotalMass(self.model))
 
 
@@ -118,21 +118,20 @@ def stand(model: pin.Model, joint_angles: Vector) -> Vector:
     return configuration
 
 
-def build_human(worker: Worker, tool_mass_kg: float = 0.0) -> Human:
-    """The digital human of a worker, with a tool (a point mass) in the right fist.
+def build_human(worker: Worker, right_hand_kg: float = 0.0, left_hand_kg: float = 0.0) -> Human:
+    """The digital human of a worker, with point masses in the fists.
 
     Raises DataFileError if the natural posture names an unknown degree of freedom, leaves a range of
     motion or does not stand on flat soles.
     """
     body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
     model = _tree(body)
-    if tool_mass_kg > 0:
-        grip = model.frames[model.getFrameId("right_grip")]
-        model.appendBodyToJoint(
-            grip.parentJoint, pin.Inertia(tool_mass_kg, np.zeros(3), np.zeros((3, 3))), grip.placement
-        )
+    for side, mass in (("right", right_hand_kg), ("left", left_hand_kg)):
+        if mass > 0:
+            grip = model.frames[model.getFrameId(f"{side}_grip")]
+            model.appendBodyToJoint(grip.parentJoint, pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))), grip.placement)
     heel, toe, half_breadth, _ = body.sole_rectangle()
-    stance = stand(model, posture(worker.natural_posture_deg))
+    stance = stand(model, posture(worker.natural_posture_deg, "natural_posture_deg"))
     human = Human(model, body, stance, (toe - heel) / 2, half_breadth)
     _check_stance(human)
     return human

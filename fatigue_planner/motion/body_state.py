@@ -38,6 +38,10 @@ class BodyState:
         pin.centerOfMass(self.model, self.data, configuration, velocity, self._no_acceleration)
         pin.updateFramePlacements(self.model, self.data)
 
+    def push(self, frame: int, force_n: Vector) -> None:
+        """Let a force (3,) N, world axes, act on a frame: part of what the joints and the ground have to balance."""
+        self.nonlinear_effects = self.nonlinear_effects - force_n @ self.jacobian(frame)[:3]
+
     def frame(self, name: str) -> int:
         """Index of a frame, to be looked up once."""
         return int(self.model.getFrameId(name))

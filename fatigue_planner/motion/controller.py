@@ -8,20 +8,44 @@ stay, as rows. What is solved is the same program, 2-4 times faster.
 Wrenches act from the ground on the foot (the paper writes them with the opposite sign).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
+from fatigue_planner.motion.elastic_program import Eased, solve_elastic
 from fatigue_planner.motion.limits import acceleration_bounds
-from fatigue_planner.motion.quadratic_program import QuadraticProgram
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, solve_either
 from fatigue_planner.motion.settings import Controller
-from fatigue_planner.motion.tasks import PostureTask, Task
+from fatigue_planner.motion.tasks.joint_posture import PostureTask
+from fatigue_planner.motion.tasks.task import Task
 
 Vector = NDArray[np.float64]
 
-SECOND_OPINION = {"daqp": "qpoases", "qpoases": "daqp"}
+
+class Tick(NamedTuple):
+    """What the program decides at a tick.
+
+    acceleration (45,); wrench (12,): force and moment on the right, then the left sole, in its own axes;
+    torque_nm (39,); eased_radps2 (39,): how far joint accelerations are outside their bounds.
+    """
+
+    acceleration: Vector
+    wrench: Vector
+    torque_nm: Vector
+    eased_radps2: Vector
+
+
+class Obstacle(NamedTuple):
+    """The limit that stands most in the way of any movement: its kind, where, and by how much."""
+
+    kind: str
+    place: str
+    amount: str
 
 
 class WholeBodyController:
@@ -44,15 +68,13 @@ class WholeBodyController:
         self.posture = posture
         self.tasks = tasks
         self.contacts = [
-            SoleContact(state, state.frame(f"{side}_sole"), settings.stiffness_per_s2.contact)
-            for side in ("right", "left")
+            SoleContact(state, state.frame(f"{side}_sole"), settings.stiffness_per_s2.contact) for side in SIDES
         ]
         nv = human.model.nv
         self.nv, self.nj = nv, nv - BASE_DOF
         wrenches = WRENCH * len(self.contacts)
         rows = BASE_DOF + wrenches + self.nj + CONE_ROWS * len(self.contacts)
         self.program = QuadraticProgram(nv + wrenches, rows, settings.solver)
-        self._second: QuadraticProgram | None = None
         self._lower, self._upper = human.model.lowerPositionLimit[7:], human.model.upperPositionLimit[7:]
         self._highest_torque = settings.torque_limit_factor * strength[0]
         self._lowest_torque = -settings.torque_limit_factor * strength[1]
@@ -60,9 +82,14 @@ class WholeBodyController:
         self._task_jacobian = np.zeros((sum(task.rows for task in tasks), nv))
         self._task_target = np.zeros(len(self._task_jacobian))
         self._task_weight = np.concatenate([np.full(task.rows, task.weight) for task in tasks])
+        ends = np.cumsum([task.rows for task in tasks])
+        self._task_rows = [slice(end - task.rows, end) for task, end in zip(tasks, ends, strict=True)]
         self._posture_target = np.zeros(self.nj)
         self._contact_jacobian = np.zeros((wrenches, nv))
         self._torque_map = np.zeros((self.nj, nv + wrenches))
+        cone_scale = np.full(CONE_ROWS * len(self.contacts), human.mass_kg * GRAVITY_MPS2)
+        acceleration_scale = np.full(self.nj, settings.acceleration_limit_radps2)
+        self._slack_scale = np.concatenate([acceleration_scale, np.maximum(*strength), cone_scale])
         self._set_constant_parts(human)
 
     def _set_constant_parts(self, human: Human) -> None:
@@ -79,29 +106,52 @@ class WholeBodyController:
         scale = np.array([weight] * 3 + [weight * human.sole_half_length_m] * 3)
         self._wrench_scale = np.tile(self.settings.regularisation.relative_wrench / scale**2, len(self.contacts))
 
-    def step(self) -> tuple[Vector, Vector, Vector] | None:
-        """Accelerations (45,), wrenches (12,) and torques (39,) for the state as it stands.
+    def step(self) -> Tick | None:
+        """Solve the program for the state as it stands; None if it has no solution.
 
-        The wrenches (force, moment) are those on the right, then the left sole, in its own axes. None
-        if neither solver finds a solution.
+        Where the limits contradict each other, the bounds of the joint accelerations give way, as little
+        as they can; all others hold.
         """
         self._fill_constraints()
         self._fill_objective()
-        solution = self.program.solve()
+        solution = solve_either(self.program)
+        eased: Vector = np.zeros(self.nj)
         if solution is None:
-            solution = self._second_opinion()
-        if solution is None:
-            return None
+            relaxed = self._ease(accelerations_only=True)
+            if relaxed is None:
+                return None
+            solution, eased = relaxed.solution, relaxed.slack
         acceleration, wrench = solution[: self.nv].copy(), solution[self.nv :].copy()
         torque = self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:]
-        return acceleration, wrench, torque
+        return Tick(acceleration, wrench, torque, eased)
 
-    def _second_opinion(self) -> Vector | None:
-        if self._second is None:
-            rows, variables = self.program.A.shape
-            self._second = QuadraticProgram(variables, rows, SECOND_OPINION[self.program.solver])
-        self._second.copy_from(self.program)
-        return self._second.solve()
+    def obstacle(self) -> Obstacle | None:
+        """After a step without solution: which limit would have to give way most, were all of them elastic."""
+        relaxed = self._ease(accelerations_only=False)
+        if relaxed is None:
+            return None
+        share = np.abs(relaxed.slack) / self._slack_scale
+        worst = int(share.argmax())
+        if worst < self.nj:
+            amount = f"{abs(relaxed.slack[worst]):.0f} rad/s^2"
+            return Obstacle("joint range", DEGREES_OF_FREEDOM[worst], amount)
+        if worst < 2 * self.nj:
+            joint = worst - self.nj
+            limit = (self._highest_torque if relaxed.slack[worst] > 0 else -self._lowest_torque)[joint]
+            needed = limit + abs(relaxed.slack[worst])
+            return Obstacle("torque", DEGREES_OF_FREEDOM[joint], f"{needed:.1f} N.m needed, {limit:.1f} N.m allowed")
+        side = SIDES[(worst - 2 * self.nj) // CONE_ROWS]
+        return Obstacle("foot contact", f"{side} foot", "it would lift, tip or slip")
+
+    def _ease(self, accelerations_only: bool) -> Eased | None:
+        first = BASE_DOF + WRENCH * len(self.contacts)
+        rows = np.arange(first, first if accelerations_only else len(self.program.A))
+        bounds = np.arange(BASE_DOF, self.nv)
+        return solve_elastic(self.program, bounds, rows, self._slack_scale[: len(bounds) + len(rows)])
+
+    def weigh(self, task: int, share: float) -> None:
+        """Give a task (by its place in the list) a share of its weight."""
+        self._task_weight[self._task_rows[task]] = share * self.tasks[task].weight
 
     def _fill_constraints(self) -> None:
         state, program, nv = self.state, self.program, self.nv
@@ -135,11 +185,8 @@ class WholeBodyController:
     def _fill_objective(self) -> None:
         """H = J'WJ + regularisation, g = -J'W target, over the tasks' stacked rows."""
         program, nv, jacobian = self.program, self.nv, self._task_jacobian
-        row = 0
-        for task in self.tasks:
-            rows = slice(row, row + task.rows)
+        for task, rows in zip(self.tasks, self._task_rows, strict=True):
             task.evaluate(self.state, jacobian[rows], self._task_target[rows])
-            row += task.rows
         self.posture.evaluate(self.state, jacobian[:0], self._posture_target)
         weighted = (jacobian * self._task_weight[:, None]).T
         scaled = self._torque_map.T * self._torque_scale

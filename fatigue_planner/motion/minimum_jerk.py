@@ -1,6 +1,7 @@
 """Minimum-jerk motion of a pose (Flash & Hogan 1985), with its velocity and acceleration."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import pinocchio as pin
@@ -20,13 +21,16 @@ class Pose:
 
 @dataclass(frozen=True)
 class MovingPose:
-    """A pose with its linear and angular velocity and acceleration (each (3,), world axes)."""
+    """A pose with its velocity and acceleration, each (6,): linear, then angular part, world axes."""
 
     pose: Pose
     velocity: Vector
     acceleration: Vector
-    angular_velocity: Vector
-    angular_acceleration: Vector
+
+    @classmethod
+    def at_rest(cls, pose: Pose) -> Self:
+        """A pose that does not move."""
+        return cls(pose, np.zeros(6), np.zeros(6))
 
 
 def minimum_jerk(fraction: float) -> tuple[float, float, float]:
@@ -57,11 +61,6 @@ class Reach:
         curvature /= self.duration_s**2
         path = self.end.position_m - self.start.position_m
         turn = pin.log3(self.start.rotation.T @ self.end.rotation)
-        world_turn = self.start.rotation @ turn
-        return MovingPose(
-            Pose(self.start.position_m + share * path, self.start.rotation @ pin.exp3(share * turn)),
-            rate * path,
-            curvature * path,
-            rate * world_turn,
-            curvature * world_turn,
-        )
+        whole = np.concatenate([path, self.start.rotation @ turn])
+        pose = Pose(self.start.position_m + share * path, self.start.rotation @ pin.exp3(share * turn))
+        return MovingPose(pose, rate * whole, curvature * whole)

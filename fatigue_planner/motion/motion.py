@@ -23,8 +23,10 @@ class Motion:
     """A simulated cycle of T ticks; row i is the instant i * time_step_s and holds until the next.
 
     configuration (T, 46), velocity (T, 45), acceleration (T, 45), torque_nm (T, 39), wrench (T, 12)
-    as in `Human` and `WholeBodyController`; hand_error_m (T,) the distance of the right fist from its
-    reference; foot_displacement_m (T, 2) of the right and left sole from their place.
+    as in `Human` and `WholeBodyController`; hand_force_n (T, 6) the forces on the right and left fist
+    in world axes (masses held are not among them, they are part of the body); hand_error_m (T,) how far
+    a fist is from its reference, the larger of both; eased_radps2 (T, 39) how far joint accelerations
+    left their bounds because there was no solution within them.
     """
 
     time_step_s: float
@@ -34,8 +36,9 @@ class Motion:
     acceleration: Matrix
     torque_nm: Matrix
     wrench: Matrix
+    hand_force_n: Matrix
     hand_error_m: Vector
-    foot_displacement_m: Matrix
+    eased_radps2: Matrix
 
     def phase(self, name: str) -> slice:
         """The ticks of a phase."""

@@ -15,6 +15,8 @@ Matrix = NDArray[np.float64]
 # What the optimality conditions may be missed by; on the paper's motions both solvers stay below 1e-10.
 OPTIMALITY = 1e-6
 
+SECOND_OPINION = {"daqp": "qpoases", "qpoases": "daqp"}
+
 
 class QuadraticProgram:
     """min 1/2 x'Hx + g'x  subject to  row_lower <= A x <= row_upper, lower <= x <= upper.
@@ -105,3 +107,14 @@ class QuadraticProgram:
         finite = float(self._arrays["h"].sum() + self._arrays["a"].sum() + self.g.sum())
         bounds = (self.row_lower, self.row_upper, self.lower, self.upper)
         return math.isfinite(finite) and not any(math.isnan(bound.max()) for bound in bounds)
+
+
+def solve_either(program: QuadraticProgram) -> Vector | None:
+    """The minimiser (n,) by the program's solver or, where that fails, by another one."""
+    solution = program.solve()
+    if solution is not None:
+        return solution
+    rows, variables = program.A.shape
+    second = QuadraticProgram(variables, rows, SECOND_OPINION[program.solver])
+    second.copy_from(program)
+    return second.solve()

@@ -7,20 +7,24 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, Human
-from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.motion.motion import Motion
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+_LOCAL, _WORLD = pin.ReferenceFrame.LOCAL, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 @dataclass(frozen=True)
 class Replay:
     """A run of n ticks with the same body.
 
-    residual_nm (n, 45): M a + h - S' tau - J' w; centre_of_mass_m (n, 3); energy_j (n,): kinetic and
-    potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques and the ground do
-    between a tick and the next, at the mean of both velocities; fist_m (n, 3) the right fist;
-    sole_displacement_m (n, 2) how far the soles are from where they stood in the natural stance.
+    residual_nm (n, 45): M a + h - S' tau - J' w - J_h' f_h; centre_of_mass_m (n, 3); energy_j (n,):
+    kinetic and potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques, and the
+    ground and the forces on the hands, do between a tick and the next, at the mean of both velocities;
+    fists (n, 2) the poses of the right and left fist; sole_displacement_m (n, 2) how far the soles are
+    from where they stood in the natural stance.
     """
 
     residual_nm: Matrix
@@ -28,43 +32,47 @@ class Replay:
     energy_j: Vector
     actuator_work_j: Vector
     contact_work_j: Vector
-    fist_m: Matrix
+    fists: list[tuple[pin.SE3, pin.SE3]]
     sole_displacement_m: Matrix
 
 
-def replay(human: Human, motion: Motion, run: Phase) -> Replay:
+def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     """Recompute the ticks of a run."""
     model, data = human.model, human.model.createData()
-    soles = [model.getFrameId(f"{side}_sole") for side in ("right", "left")]
+    soles, grips = ([model.getFrameId(f"{side}_{part}") for side in SIDES] for part in ("sole", "grip"))
     pin.framesForwardKinematics(model, data, human.stance)
     home = [data.oMf[sole].translation.copy() for sole in soles]
-    grip = model.getFrameId("right_grip")
-    ticks = range(run.start, run.stop)
-    fist, displacement = np.empty((len(ticks), 3)), np.empty((len(ticks), 2))
+    displacement = np.empty((len(ticks), 2))
     residual, centre = np.empty((len(ticks), model.nv)), np.empty((len(ticks), 3))
     energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
-    velocity = motion.velocity[run.start : run.stop]
+    fists = []
+    pushed_hands = bool(motion.hand_force_n.any())
+    velocity = motion.velocity[ticks.start : ticks.stop]
     mean_velocity = (velocity[1:] + velocity[:-1]) / 2
     for row, tick in enumerate(ticks):
         q, v = motion.configuration[tick], motion.velocity[tick]
         residual[row] = pin.rnea(model, data, q, v, motion.acceleration[tick])
+        centre[row] = pin.centerOfMass(model, data, q)
+        energy[row] = pin.computeKineticEnergy(model, data, q, v) + pin.computePotentialEnergy(model, data, q)
+        pin.computeJointJacobians(model, data, q)
+        pin.updateFramePlacements(model, data)
         residual[row, BASE_DOF:] -= motion.torque_nm[tick]
         pushed = np.zeros(model.nv)
         for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
-            pushed += pin.computeFrameJacobian(model, data, q, sole, pin.ReferenceFrame.LOCAL).T @ wrench
+            pushed += wrench @ pin.getFrameJacobian(model, data, sole, _LOCAL)
+        if pushed_hands:
+            for grip, force in zip(grips, motion.hand_force_n[tick].reshape(2, 3), strict=True):
+                pushed += force @ pin.getFrameJacobian(model, data, grip, _WORLD)[:3]
         residual[row] -= pushed
-        pin.framesForwardKinematics(model, data, q)
-        fist[row] = data.oMf[grip].translation
+        fists.append((data.oMf[grips[0]].copy(), data.oMf[grips[1]].copy()))
         displacement[row] = [
             np.linalg.norm(data.oMf[sole].translation - at) for sole, at in zip(soles, home, strict=True)
         ]
-        centre[row] = pin.centerOfMass(model, data, q)
-        energy[row] = pin.computeKineticEnergy(model, data, q, v) + pin.computePotentialEnergy(model, data, q)
         if row < len(contact_work):
             contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
-    torque = motion.torque_nm[run.start : run.stop - 1]
+    torque = motion.torque_nm[ticks.start : ticks.stop - 1]
     work = motion.time_step_s * np.einsum("ij,ij->i", torque, mean_velocity[:, BASE_DOF:])
-    return Replay(residual, centre, energy, work, contact_work, fist, displacement)
+    return Replay(residual, centre, energy, work, contact_work, fists, displacement)
 
 
 def energy_error_share(run: Replay) -> float:

@@ -1,4 +1,4 @@
-"""What an experiment says of a motion: phases, tasks, gains and limits of the controller."""
+"""What an experiment says of every motion: phases, weights, gains, limits and accuracy."""
 
 from typing import Annotated, Literal
 
@@ -9,6 +9,10 @@ from fatigue_planner.settings import Settings
 Positive = Annotated[float, Field(gt=0)]
 # A phase lasts at least some ticks of the longest time step, at most ten minutes.
 Duration = Annotated[float, Field(ge=0.1, le=600)]
+
+Side = Literal["right", "left"]
+PhaseName = Literal["reach", "work", "return"]
+PHASES: tuple[PhaseName, ...] = ("reach", "work", "return")
 
 Segment = Literal[
     "pelvis", "abdomen", "thorax", "neck", "head",
@@ -28,46 +32,6 @@ class Cycle(Settings):
     def duration_s(self) -> float:
         """Length of one cycle."""
         return self.reach_s + self.work_s + self.return_s
-
-
-class Position(Settings):
-    """A point in the world: x forward, y left, z up from the centre between the soles, in m."""
-
-    x: float = Field(ge=-3, le=3)
-    y: float = Field(ge=-3, le=3)
-    z: float = Field(ge=0, le=3)
-
-
-class Orientation(Settings):
-    """An orientation as rotations in degrees about the world's x, then y, then z axis.
-
-    Zero is the hand of an arm hanging along the body: fingers down, palm inward, thumb forward.
-    """
-
-    x: float = Field(default=0, ge=-180, le=180)
-    y: float = Field(default=0, ge=-180, le=180)
-    z: float = Field(default=0, ge=-180, le=180)
-
-
-class Action(Settings):
-    """Where the robot presents the object: the pose the right fist has to take."""
-
-    position_m: Position
-    orientation_deg: Orientation
-
-
-class SegmentUpright(Settings):
-    """Keep the long axis of a body segment vertical."""
-
-    kind: Literal["segment_upright"]
-    segment: Segment
-    weight: Positive
-
-
-class Preference(Settings):
-    """A motion preference: tasks added to those every motion has."""
-
-    tasks: tuple[SegmentUpright, ...]
 
 
 class Weights(Settings):
@@ -113,7 +77,9 @@ class Accuracy(Settings):
     """What a motion must fulfil to be used."""
 
     hand_error_m: Positive
+    hand_turn_rad: Positive
     equation_of_motion_nm: Positive
     limit_violation: Positive
+    eased_position_rad: Positive
     foot_displacement_m: Positive
     energy_error_share: Positive

@@ -7,19 +7,25 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from fatigue_planner.errors import FailedMotionError
-from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.joint_data import MaximumTorque
 from fatigue_planner.human.model import Human, Tool, Worker, build_human
+from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
-from fatigue_planner.motion.minimum_jerk import Pose, Reach
-from fatigue_planner.motion.motion import Motion, Phase
-from fatigue_planner.motion.settings import Action, Controller, Cycle, Preference
-from fatigue_planner.motion.tasks import CentreOfMassTask, HandTask, PostureTask, SegmentUprightTask
+from fatigue_planner.motion.minimum_jerk import MovingPose, Pose
+from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.references import HandReference
+from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of, share_of
+from fatigue_planner.motion.settings import Controller, Cycle, Side
+from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
+from fatigue_planner.motion.tasks.coordinates import Coordinates
+from fatigue_planner.motion.tasks.hand import HandTask
+from fatigue_planner.motion.tasks.joint_posture import PostureTask
+from fatigue_planner.motion.tasks.registry import Preference
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-PHASES = ("reach", "work", "return")
 
 
 @dataclass(frozen=True)
@@ -27,6 +33,7 @@ class MotionRequest:
     """Everything that decides a motion."""
 
     worker: Worker
+    maximum_torque: MaximumTorque
     tool: Tool
     cycle: Cycle
     controller: Controller
@@ -34,99 +41,148 @@ class MotionRequest:
     preference: Preference
 
 
-def target_pose(action: Action) -> Pose:
-    """The pose the right fist has to take."""
-    position, turn = action.position_m, action.orientation_deg
-    rotation = pin.rpy.rpyToMatrix(np.radians([turn.x, turn.y, turn.z]))
-    return Pose(np.array([position.x, position.y, position.z]), rotation)
-
-
-def phases_of(cycle: Cycle, time_step_s: float) -> tuple[Phase, ...]:
-    """The phases in ticks; their lengths are rounded to whole ticks."""
-    ends = np.cumsum([cycle.reach_s, cycle.work_s, cycle.return_s])
-    ticks = [0, *(round(end / time_step_s) for end in ends)]
-    return tuple(Phase(name, ticks[i], ticks[i + 1]) for i, name in enumerate(PHASES))
-
-
 class _Body:
-    """The worker with or without the tool: state, tasks and controller."""
+    """The worker with masses in the hands: state, tasks and controller."""
 
-    def __init__(self, request: MotionRequest, tool_mass_kg: float) -> None:
+    def __init__(self, request: MotionRequest, run: Run) -> None:
         settings = request.controller
         weights, stiffness = settings.weights, settings.stiffness_per_s2
-        self.human: Human = build_human(request.worker, tool_mass_kg)
+        self.human: Human = build_human(request.worker, run.right_kg, run.left_kg)
         self.state = state = BodyState(self.human)
         state.update(self.human.stance, np.zeros(self.human.model.nv))
-        self.hand = HandTask(weights.hand, stiffness.hand, state.frame("right_grip"))
-        upright = [
-            SegmentUprightTask(task.weight, stiffness.segment, state.frame(task.segment))
-            for task in request.preference.tasks
-        ]
-        balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, state.data.com[0].copy())
+        self.grips = {side: state.frame(f"{side}_grip") for side in SIDES}
+        self.hands: dict[Side, HandTask] = {
+            side: HandTask(
+                weights.hand, stiffness.hand, self.grips[side], slice(6 if goal.turned() else 3),
+                MovingPose.at_rest(self.fist(side)),
+            )
+            for side, goal in request.action.goals().items()
+        }  # fmt: skip
+        x, y, _ = (float(value) for value in state.data.com[0])
+        balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
         posture = PostureTask(weights.posture, stiffness.posture, self.human.stance[7:])
-        strength = maximum_torques(request.worker.strength)
+        preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
+        self.first_preferred = 1 + len(self.hands)
         self.controller = WholeBodyController(
-            self.human, state, settings, strength, posture, [balance, self.hand, *upright]
+            self.human, state, settings, request.maximum_torque.vectors(), posture,
+            [balance, *self.hands.values(), *preferred],
+        )  # fmt: skip
+
+    def fist(self, side: Side) -> Pose:
+        """Where a fist is."""
+        placement = self.state.placement(self.grips[side])
+        return Pose(placement.translation.copy(), placement.rotation.copy())
+
+
+class Simulator:
+    """The digital human at a tick of a cycle; `step` moves it to the next."""
+
+    def __init__(self, request: MotionRequest) -> None:
+        self.request = request
+        self.time_step_s = dt = request.controller.time_step_s
+        self.phases = phases_of(request.cycle, dt)
+        self.ticks = self.phases[-1].stop
+        self.runs = runs_of(request.tool, request.action, self.phases)
+        self.forces = forces_of(request.action, self.ticks, dt)
+        shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
+        self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
+        self.body = _Body(request, self.runs[0])
+        self.references = {
+            side: HandReference(self.body.fist(side), goal, self.phases, dt)
+            for side, goal in request.action.goals().items()
+        }
+        self.configuration, self.velocity = self.body.human.stance.copy(), np.zeros(self.body.human.model.nv)
+
+    def take_up(self, run: Run) -> None:
+        """Change the masses in the hands."""
+        self.body = _Body(self.request, run)
+
+    def prepare(self, tick: int) -> Vector:
+        """Evaluate the body, its references and the forces at a tick; returns the forces on the fists (6,)."""
+        body = self.body
+        body.state.update(self.configuration, self.velocity)
+        pushed = np.zeros(6)
+        for planned in self.forces:
+            turn = body.state.placement(body.grips[planned.hand]).rotation if planned.in_hand_axes else np.eye(3)
+            force = turn @ planned.force_n[tick]
+            body.state.push(body.grips[planned.hand], force)
+            pushed[3 * SIDES.index(planned.hand) :][:3] += force
+        for side, reference in self.references.items():
+            body.hands[side].reference = reference.at(tick * self.time_step_s)
+        for place, share in self._switched:
+            body.controller.weigh(body.first_preferred + place, share[tick])
+        return pushed
+
+    def advance(self, acceleration: Vector) -> None:
+        """A semi-implicit Euler step on the configuration manifold."""
+        self.velocity = self.velocity + self.time_step_s * acceleration
+        self.configuration = pin.integrate(
+            self.body.human.model, self.configuration, self.time_step_s * self.velocity
+        )  # fmt: skip
+
+    def hand_error_m(self) -> float:
+        """How far a fist is from its reference, the larger of both."""
+        return max(
+            float(np.linalg.norm(self.body.fist(side).position_m - task.reference.pose.position_m))
+            for side, task in self.body.hands.items()
         )
 
-    def fist(self) -> Pose:
-        """Where the right fist is."""
-        placement = self.state.placement(self.hand.frame)
-        return Pose(placement.translation.copy(), placement.rotation.copy())
+    def failure(self, tick: int) -> FailedMotionError:
+        """Why there is no movement at this tick, with advice."""
+        phase = next(phase.name for phase in self.phases if tick < phase.stop)
+        where = f"no admissible movement at t = {tick * self.time_step_s:.2f} s ({phase}, tick {tick})"
+        obstacle = self.body.controller.obstacle()
+        if obstacle is None:
+            return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
+        reason = f"{where}: {obstacle.kind} of {obstacle.place} ({obstacle.amount})"
+        if self._moves_unloaded(tick):
+            return FailedMotionError(
+                f"{reason}. The load in the hands is too heavy for this worker and posture: with empty hands there "
+                "would be a movement. Make the tool or the load lighter, or let the hands work closer to the body."
+            )
+        advice = {
+            "torque": "A stronger worker, a closer object or a longer phase helps.",
+            "joint range": "Bring the object closer or turn it, or make the phase longer.",
+            "foot contact": "The body would lose its balance: bring the object closer or make the forces smaller.",
+        }[obstacle.kind]
+        return FailedMotionError(f"{reason}. {advice}")
+
+    def _moves_unloaded(self, tick: int) -> bool:
+        """Whether there were a movement at this tick with nothing in the hands."""
+        if not self.forces and self.runs == (Run(0, self.ticks, 0.0, 0.0),):
+            return False
+        self.forces = ()
+        self.take_up(Run(0, self.ticks, 0.0, 0.0))
+        self.prepare(tick)
+        return self.body.controller.step() is not None
 
 
 def simulate(request: MotionRequest) -> Motion:
     """Simulate one cycle from the natural stance.
 
-    The state is integrated on the configuration manifold by semi-implicit Euler steps. Raises
-    FailedMotionError, naming phase and time, if the program has no solution at some tick.
+    Raises FailedMotionError, naming time, phase, tick, the limit in the way and advice, if the program
+    has no solution at some tick, even with the bounds of the joint accelerations eased.
     """
-    dt = request.controller.time_step_s
-    phases = phases_of(request.cycle, dt)
-    ticks = phases[-1].stop
-    loaded = _Body(request, request.tool.mass_kg)
-    bodies = dict.fromkeys(PHASES, loaded)
-    if request.tool.held == "work":
-        bodies["reach"] = bodies["return"] = _Body(request, 0.0)
-    home, target = loaded.fist(), target_pose(request.action)
-    references = {
-        "reach": Reach(home, target, request.cycle.reach_s),
-        "work": Reach(target, target, request.cycle.work_s),
-        "return": Reach(target, home, request.cycle.return_s),
-    }
-    model = loaded.human.model
-    configuration, velocity = loaded.human.stance.copy(), np.zeros(model.nv)
-    record = {
-        name: np.empty((ticks, width))
-        for name, width in {
-            "configuration": model.nq, "velocity": model.nv, "acceleration": model.nv,
-            "torque_nm": model.nv - 6, "wrench": 12, "foot_displacement_m": 2,
-        }.items()
+    simulator = Simulator(request)
+    nv = simulator.velocity.size
+    widths = {
+        "configuration": nv + 1, "velocity": nv, "acceleration": nv, "torque_nm": nv - 6, "wrench": 12,
+        "hand_force_n": 6, "eased_radps2": nv - 6,
     }  # fmt: skip
-    hand_error = np.empty(ticks)
-    for phase in phases:
-        body, reference = bodies[phase.name], references[phase.name]
-        for tick in range(phase.start, phase.stop):
-            body.state.update(configuration, velocity)
-            body.hand.reference = reference.at((tick - phase.start) * dt)
-            result = body.controller.step()
+    record = {name: np.empty((simulator.ticks, width)) for name, width in widths.items()}
+    hand_error = np.empty(simulator.ticks)
+    for run in simulator.runs:
+        if run.start > 0:
+            simulator.take_up(run)
+        for tick in range(run.start, run.stop):
+            force = simulator.prepare(tick)
+            result = simulator.body.controller.step()
             if result is None:
-                raise FailedMotionError(
-                    f"no admissible movement at t = {tick * dt:.2f} s ({phase.name}): the limits of joints, torques "
-                    "and foot contact contradict each other. Bring the object closer, make the tool lighter or the "
-                    "phase longer."
-                )
-            acceleration, wrench, torque = result
-            record["configuration"][tick], record["velocity"][tick] = configuration, velocity
-            record["acceleration"][tick], record["torque_nm"][tick], record["wrench"][tick] = (
-                acceleration,
-                torque,
-                wrench,
-            )
-            hand_error[tick] = np.linalg.norm(body.fist().position_m - body.hand.reference.pose.position_m)
-            record["foot_displacement_m"][tick] = [
-                np.linalg.norm(contact.displacement(body.state)[:3]) for contact in body.controller.contacts
-            ]
-            velocity = velocity + dt * acceleration
-            configuration = pin.integrate(model, configuration, dt * velocity)
-    return Motion(time_step_s=dt, phases=phases, hand_error_m=hand_error, **record)
+                raise simulator.failure(tick)
+            record["configuration"][tick], record["velocity"][tick] = simulator.configuration, simulator.velocity
+            record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
+            record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force
+            record["eased_radps2"][tick] = result.eased_radps2
+            hand_error[tick] = simulator.hand_error_m()
+            simulator.advance(result.acceleration)
+    return Motion(time_step_s=simulator.time_step_s, phases=simulator.phases, hand_error_m=hand_error, **record)

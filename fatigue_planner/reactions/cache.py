@@ -1,20 +1,29 @@
 """The folder of reaction libraries: find what is there, simulate what is missing.
 
 A finished library is `<experiment>-<digest>.h5`; what an unfinished run has simulated so far waits in
-`partial/`, one library of one reaction each, and is taken from there by the next run.
+`partial/`, one library of one reaction each, and is taken from there by the next run. No motion is
+held in memory longer than it takes to check and copy it, however large the library.
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError
+from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError, OtherVersionError
 from fatigue_planner.files import DIGEST_LENGTH, set_aside, writable_folder
+from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
 from fatigue_planner.parallel import run_parallel
-from fatigue_planner.reactions.library import library_digest, read_library, write_library
+from fatigue_planner.reactions.library import (
+    Source,
+    assemble_library,
+    library_digest,
+    names_in,
+    read_reaction,
+    write_reaction,
+)
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
 PARTIAL = "partial"
@@ -24,12 +33,13 @@ _LIBRARY_NAME = re.compile(rf"([A-Za-z][\w.-]*-)?[0-9a-f]{{{DIGEST_LENGTH}}}\.h5
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one request: found, simulated, or failed with a reason."""
+    """What became of one request: the verdict on it, whether it was found, and why it failed if it did."""
 
     name: ReactionName
     digest: str
-    reaction: Reaction | None
+    verdict: Verdict
     found: bool
+    quality: Quality | None = None
     failure: str = ""
 
 
@@ -42,11 +52,16 @@ class ReactionCache:
 
     def path(self, experiment: str, requests: Sequence[ReactionRequest]) -> Path:
         """Where the library of these requests is, under whatever name, or where it would be published."""
-        digest = library_digest([(request.name, request.digest()) for request in requests])[:DIGEST_LENGTH]
+        digest = library_digest([(request.name, request.digest) for request in requests])[:DIGEST_LENGTH]
         return next(iter(sorted(self.folder.glob(f"[!.]*-{digest}.h5"))), self.folder / f"{experiment}-{digest}.h5")
 
-    def load(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
-        """The reactions of a finished library, in the order of the requests.
+    def files(self) -> list[Path]:
+        """All libraries of the folder, finished ones first."""
+        finished, partial = (sorted(folder.glob("*.h5")) for folder in (self.folder, self.folder / PARTIAL))
+        return [path for path in (*finished, *partial) if _LIBRARY_NAME.fullmatch(path.name)]
+
+    def stream(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> Iterator[Reaction]:
+        """The reactions of a finished library one by one, in the order of the requests.
 
         `how` is the command that makes the library, for the message. Raises MissingLibraryError if
         there is none, DamagedFileError if it is not what was written or holds other reactions.
@@ -55,17 +70,17 @@ class ReactionCache:
         if not path.exists():
             raise MissingLibraryError(f"{path}: no reactions for this experiment's settings. Run `{how}` first.")
         try:
-            by_name = {reaction.name: reaction for reaction in read_library(path)}
-            reactions = tuple(by_name[request.name] for request in requests)
+            stored = names_in(path)
+            if stored != {request.name: request.digest for request in requests}:
+                raise DamagedFileError(f"{path}: holds other reactions than its name says.")
+            for request in requests:
+                yield read_reaction(path, request.name)
         except DamagedFileError as error:
             raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
-        except KeyError as error:
-            missing = ", ".join(str(r.name) for r in requests if r.name not in by_name)
-            raise DamagedFileError(f"{path}: holds no reaction {missing}. Run `{how}`.") from error
-        for request, reaction in zip(requests, reactions, strict=True):
-            if request.digest() != reaction.digest:
-                raise DamagedFileError(f"{path}: {reaction.name} was made with other settings. Run `{how}`.")
-        return reactions
+
+    def load(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
+        """All reactions of a finished library at once; see `stream`."""
+        return tuple(self.stream(experiment, requests, how))
 
     def complete(
         self, experiment: str, requests: Sequence[ReactionRequest], jobs: int, progress: Callable[[Outcome], None]
@@ -77,74 +92,65 @@ class ReactionCache:
         """
         writable_folder(self.folder / PARTIAL)
         path = self.path(experiment, requests)
-        found = self._find(path, {request.digest() for request in requests})
-        outcomes: dict[str, Outcome] = {}
-        missing = []
-        for request in requests:
-            digest = request.digest()
-            if digest in found:
-                outcomes[str(request.name)] = Outcome(request.name, digest, found[digest], found=True)
-                progress(outcomes[str(request.name)])
-            else:
-                missing.append((request, self._partial(digest)))
-        for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
-            outcomes[str(outcome.name)] = outcome
+        by_digest = {request.digest: request for request in requests}
+        places, outcomes = self._find(path, set(by_digest))
+        for outcome in outcomes.values():
             progress(outcome)
-        ordered = [outcomes[str(request.name)] for request in requests]
-        reactions = [replace(o.reaction, name=o.name) for o in ordered if o.reaction is not None]
-        if len(reactions) == len(requests):
-            if not self._holds(path, {outcome.digest for outcome in ordered}):
-                write_library(path, reactions)
+        missing = [(request, self._partial(digest)) for digest, request in by_digest.items() if digest not in outcomes]
+        for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
+            outcomes[outcome.digest] = outcome
+            places[outcome.digest] = (self._partial(outcome.digest), by_digest[outcome.digest].name)
+            progress(outcome)
+        ordered = [replace(outcomes[request.digest], name=request.name) for request in requests]
+        if all(outcome.verdict != "failed" for outcome in ordered):
+            if any(places[digest] != (path, request.name) for digest, request in by_digest.items()):
+                assemble_library(path, [Source(r.name, r.digest, *places[r.digest]) for r in requests])
             for outcome in ordered:
                 self._partial(outcome.digest).unlink(missing_ok=True)
         return path, ordered
 
-    def _holds(self, path: Path, digests: set[str]) -> bool:
-        """Whether a library is there and complete."""
-        return path.exists() and {reaction.digest for reaction in read_library(path, digests)} == digests
-
     def _partial(self, digest: str) -> Path:
         return self.folder / PARTIAL / f"{digest[:DIGEST_LENGTH]}.h5"
 
-    def _find(self, first: Path, wanted: set[str]) -> dict[str, Reaction]:
-        """The wanted reactions, by digest, from all libraries; damaged ones are set aside.
+    def _find(self, first: Path, wanted: set[str]) -> tuple[dict[str, tuple[Path, ReactionName]], dict[str, Outcome]]:
+        """Where the wanted reactions are, by digest, in all libraries; damaged libraries are set aside.
 
         `first` is read first, if it exists, so that it is checked even if others hold the same.
         """
-        found: dict[str, Reaction] = {}
-        files = [path for pattern in ("*.h5", f"{PARTIAL}/*.h5") for path in self.folder.glob(pattern)]
-        for path in sorted(files, key=lambda path: (path != first, str(path))):
-            if not _LIBRARY_NAME.fullmatch(path.name):
-                continue
+        places: dict[str, tuple[Path, ReactionName]] = {}
+        outcomes: dict[str, Outcome] = {}
+        for path in sorted(self.files(), key=lambda path: path != first):
             try:
-                found |= {reaction.digest: reaction for reaction in read_library(path, wanted - found.keys())}
+                here = {digest: name for name, digest in names_in(path).items() if digest in wanted - places.keys()}
+                found = {digest: _found(read_reaction(path, name)) for digest, name in here.items()}
+            except OtherVersionError:
+                continue
             except DamagedFileError as error:
                 if not path.exists():
                     continue  # another run has just taken it
                 aside = set_aside(path)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
-        return found
+                continue
+            places |= {digest: (path, name) for digest, name in here.items()}
+            outcomes |= found
+        return places, outcomes
+
+
+def _found(reaction: Reaction) -> Outcome:
+    verdict: Verdict = "degraded" if reaction.quality.eased_ticks else "ok"
+    return Outcome(reaction.name, reaction.digest, verdict, True, reaction.quality)
 
 
 def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:
-    """Simulate a reaction and, if it is good, publish it at once, whatever becomes of the parent process."""
+    """Simulate a reaction, check it and, if it is good, publish it at once, whatever becomes of the parent process."""
     request, path = work
-    outcome = simulate_reaction(request)
-    if outcome.reaction is not None:
-        write_library(path, [outcome.reaction])
-    return outcome
-
-
-def simulate_reaction(request: ReactionRequest) -> Outcome:
-    """Simulate one reaction and check it; an inaccurate motion is a failure."""
-    digest = request.digest()
     try:
         motion = simulate(request.motion)
     except FailedMotionError as error:
-        return Outcome(request.name, digest, None, found=False, failure=str(error))
+        return Outcome(request.name, request.digest, "failed", False, failure=str(error))
     quality = measure(request.motion, motion)
     faults = quality.faults(request.accuracy)
     if faults:
-        return Outcome(request.name, digest, None, found=False, failure="; ".join(faults))
-    reaction = Reaction(request.name, digest, request.settings(), motion, quality)
-    return Outcome(request.name, digest, reaction, found=False)
+        return Outcome(request.name, request.digest, "failed", False, quality, "; ".join(faults))
+    write_reaction(path, Reaction(request.name, request.digest, request.settings, motion, quality))
+    return Outcome(request.name, request.digest, quality.verdict(request.accuracy), False, quality)

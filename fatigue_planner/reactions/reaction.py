@@ -1,30 +1,31 @@
-"""A postural reaction: what the worker does for an action with a preference, and what it costs."""
+"""A postural reaction: what a worker does for an action with a preference, and what it costs."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
 from importlib.metadata import version
+from typing import Any, NamedTuple
 
 from fatigue_planner.files import digest_of, digest_of_package
-from fatigue_planner.human.joint_data import maximum_torques
 from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.motion.simulator import MotionRequest
-from fatigue_planner.motion.verification import Quality
 
 # What produces the numbers of a motion besides its settings.
 SOURCES = ("human", "motion")
 NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy")
 
 
-@dataclass(frozen=True)
-class ReactionName:
-    """The pair that names a reaction."""
+class ReactionName(NamedTuple):
+    """What names a reaction: who, where, how."""
 
+    worker: str
     action: str
     preference: str
 
     def __str__(self) -> str:
-        return f"{self.action}/{self.preference}"
+        return "/".join(self)
 
 
 @dataclass(frozen=True)
@@ -35,16 +36,26 @@ class ReactionRequest:
     motion: MotionRequest
     accuracy: Accuracy
 
-    def settings(self) -> dict[str, object]:
+    @cached_property
+    def settings(self) -> dict[str, Any]:
         """Everything of an experiment that decides the reaction, as plain data, strengths written out."""
         parts = vars(self.motion) | {"accuracy": self.accuracy}
-        positive, negative = maximum_torques(self.motion.worker.strength)
-        strength = {"positive_nm": positive.tolist(), "negative_nm": negative.tolist()}
-        return {name: part.plain() for name, part in parts.items()} | {"maximum_torque": strength}
+        return {name: part.plain() for name, part in parts.items()}
 
+    @cached_property
     def digest(self) -> str:
         """Key of the reaction: settings, body data, sources and numerical libraries."""
-        return digest_of({"settings": self.settings(), "sources": digest_of_package(*SOURCES), "versions": versions()})
+        return digest_of({"settings": self.settings, "sources": digest_of_package(*SOURCES), "versions": versions()})
+
+
+def request_of(name: ReactionName, settings: Mapping[str, Any]) -> ReactionRequest:
+    """The request a reaction was made for, from its settings as plain data.
+
+    Raises ValueError or KeyError if these are not the settings of a reaction of this version.
+    """
+    kinds = {field.name: field.type for field in fields(MotionRequest)}
+    parts = {part: kind.model_validate(settings[part]) for part, kind in kinds.items()}  # type: ignore[union-attr]
+    return ReactionRequest(name, MotionRequest(**parts), Accuracy.model_validate(settings["accuracy"]))
 
 
 @dataclass(frozen=True)
@@ -53,14 +64,14 @@ class Reaction:
 
     name: ReactionName
     digest: str
-    settings: Mapping[str, object]
+    settings: Mapping[str, Any]
     motion: Motion
     quality: Quality
 
 
-def digests(reactions: Iterable[Reaction]) -> dict[str, str]:
+def digests(requests: Iterable[ReactionRequest]) -> dict[str, str]:
     """The digest of every reaction, by name."""
-    return {str(reaction.name): reaction.digest for reaction in reactions}
+    return {str(request.name): request.digest for request in requests}
 
 
 def versions() -> dict[str, str]:

@@ -1,0 +1,84 @@
+"""What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
+
+import numpy as np
+
+from fatigue_planner.errors import DataFileError
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
+from fatigue_planner.human.anthropometry import Anthropometry
+from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.human.model import Worker, build_human
+from fatigue_planner.motion.action import Action
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.loads import HandForce
+
+
+def check_meaning(experiment: Experiment) -> None:
+    """Raise DataFileError, naming the key, for the first thing that cannot be."""
+    for name, worker in experiment.workers.items():
+        try:
+            _check_worker(experiment, worker)
+        except DataFileError as error:
+            raise DataFileError(f"workers.{name}: {error}") from error
+    for states in experiment.initial_beliefs.values():
+        for state in states:
+            fatigue_state(state.fatigue)
+    for name, action in experiment.actions.items():
+        _check_times(experiment, name, action)
+        _check_reach(experiment, name, action)
+
+
+def _check_worker(experiment: Experiment, worker: Worker) -> None:
+    human = build_human(worker)
+    fatigue_parameters(experiment.fatigue, maximum_torque(worker.strength))
+    state = BodyState(human)
+    state.update(human.stance, np.zeros(human.model.nv))
+    for name, preference in experiment.preferences.items():
+        for place, task in enumerate(preference.tasks):
+            try:
+                task.build(human, state, experiment.controller.stiffness_per_s2)
+            except DataFileError as error:
+                raise DataFileError(f"preferences.{name}.tasks.{place}.{error}") from error
+
+
+def _check_times(experiment: Experiment, name: str, action: Action) -> None:
+    work, whole = experiment.cycle.work_s, experiment.cycle.duration_s
+    for side, goal in action.goals().items():
+        last = goal.path()[-1].work_time_s
+        if last > work:
+            raise DataFileError(
+                f"actions.{name}.{side}_hand.waypoints: the last is reached after {last:g} s of work; cycle.work_s is "
+                f"{work:g}"
+            )
+    for place, load in enumerate(action.loads):
+        if isinstance(load, HandForce) and load.force_n[-1].cycle_time_s > whole:
+            raise DataFileError(
+                f"actions.{name}.loads.{place}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
+                f"end of the cycle ({whole:g} s)"
+            )
+
+
+def _check_reach(experiment: Experiment, name: str, action: Action) -> None:
+    for worker_name, worker in experiment.workers.items():
+        longest = _longest_reach_m(worker)
+        for side, goal in action.goals().items():
+            for waypoint in goal.path():
+                place = waypoint.position_m
+                distance = float(np.linalg.norm([place.x, place.y, place.z]))
+                if distance > longest:
+                    raise DataFileError(
+                        f"actions.{name}.{side}_hand.position_m: {distance:.2f} m from the feet; ankle, leg, trunk and "
+                        f"arm of worker {worker_name} together measure {longest:.2f} m."
+                    )
+
+
+def _longest_reach_m(worker: Worker) -> float:
+    """No posture reaches farther from the centre of the feet: the stretched chain from sole to fist."""
+    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    arm = ["right_shoulder", "right_elbow", "right_wrist"]
+    links = [
+        body.joint_centre(joint) for joint in ["right_knee", "right_ankle", "right_hip", "lumbar", "thoracic", *arm]
+    ]
+    heel, toe, _, height = body.sole_rectangle()
+    feet = np.array([(heel + toe) / 2, body.length("hip_half_width"), height])
+    return float(sum(np.linalg.norm(link) for link in [feet, *links, body.grip_m()]))

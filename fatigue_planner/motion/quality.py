@@ -1,0 +1,75 @@
+"""How good a motion is, and the verdict on it."""
+
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+from fatigue_planner.motion.settings import Accuracy
+
+Verdict = Literal["ok", "degraded", "failed"]
+
+
+@dataclass(frozen=True)
+class Quality:
+    """The worst value over all ticks of everything a motion has to fulfil (SI; violations <= 0 are none).
+
+    eased_ticks counts the ticks at which joint accelerations had to leave their bounds, by up to
+    eased_radps2.
+    """
+
+    equation_of_motion_nm: float
+    friction_violation_n: float
+    unilateral_violation_n: float
+    centre_of_pressure_violation_m: float
+    wrench_cone_violation: float
+    torque_violation_nm: float
+    position_violation_rad: float
+    velocity_violation_radps: float
+    centre_of_mass_violation_m: float
+    energy_error_share: float
+    foot_displacement_m: float
+    hand_force_error_n: float
+    work_hand_error_m: float
+    work_hand_turn_rad: float
+    eased_ticks: int
+    eased_radps2: float
+
+    def faults(self, required: Accuracy) -> list[str]:
+        """What is not fulfilled, in words; empty for a motion that can be used."""
+        faults = []
+        if not self.work_hand_error_m <= required.hand_error_m:
+            faults.append(
+                f"out of reach: the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work "
+                f"(allowed: {required.hand_error_m * 100:.1f} cm); bring the object closer for this worker and "
+                "preference"
+            )
+        if not self.work_hand_turn_rad <= required.hand_turn_rad:
+            faults.append(
+                f"the hand stays {self.work_hand_turn_rad:.3f} rad from its orientation during work (allowed: "
+                f"{required.hand_turn_rad:.3f} rad); turn the object, or leave orientation_deg out"
+            )
+        bounds = {
+            "equation_of_motion_nm": required.equation_of_motion_nm,
+            "foot_displacement_m": required.foot_displacement_m,
+            "energy_error_share": required.energy_error_share,
+            "position_violation_rad": required.eased_position_rad if self.eased_ticks else required.limit_violation,
+        }
+        apart = {"work_hand_error_m", "work_hand_turn_rad", "eased_ticks", "eased_radps2"}
+        for name, value in asdict(self).items():
+            allowed = bounds.get(name, required.limit_violation)
+            if name not in apart and not value <= allowed:
+                faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e})")
+        return faults
+
+    def verdict(self, required: Accuracy) -> Verdict:
+        """ok; degraded, if usable although limits had to be eased; failed."""
+        if self.faults(required):
+            return "failed"
+        return "degraded" if self.eased_ticks else "ok"
+
+    def degradation(self) -> str:
+        """What was eased, and how much, in words."""
+        return (
+            f"joint accelerations had to leave their bounds at {self.eased_ticks} ticks, by up to "
+            f"{self.eased_radps2:.1f} rad/s^2; a joint passes its range by up to "
+            f"{max(self.position_violation_rad, 0.0):.1e} rad"
+        )

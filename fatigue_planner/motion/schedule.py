@@ -1,0 +1,92 @@
+"""What a request means in ticks: phases, masses in the hands, forces, switching of tasks."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.human.model import Tool
+from fatigue_planner.motion.action import Action
+from fatigue_planner.motion.loads import CarriedMass, HandForce
+from fatigue_planner.motion.minimum_jerk import minimum_jerk
+from fatigue_planner.motion.motion import Phase
+from fatigue_planner.motion.settings import PHASES, Cycle, PhaseName, Side
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+# A task that begins or ends with a phase comes and goes over this time, so that no torque jumps.
+SWITCH_S = 0.5
+
+
+class Run(NamedTuple):
+    """Ticks [start, stop) with the same masses in the right and left fist."""
+
+    start: int
+    stop: int
+    right_kg: float
+    left_kg: float
+
+
+def phases_of(cycle: Cycle, time_step_s: float) -> tuple[Phase, ...]:
+    """The phases in ticks; their lengths are rounded to whole ticks."""
+    ends = np.cumsum([cycle.reach_s, cycle.work_s, cycle.return_s])
+    ticks = [0, *(round(end / time_step_s) for end in ends)]
+    return tuple(Phase(name, ticks[i], ticks[i + 1]) for i, name in enumerate(PHASES))
+
+
+def runs_of(tool: Tool, action: Action, phases: tuple[Phase, ...]) -> tuple[Run, ...]:
+    """The cycle in runs of constant masses; the tool is one of the right hand's."""
+    masses = [load for load in action.loads if isinstance(load, CarriedMass)]
+    if tool.mass_kg > 0:
+        during: tuple[PhaseName, ...] = PHASES if tool.held == "cycle" else ("work",)
+        masses.append(CarriedMass(kind="mass", hand="right", mass_kg=tool.mass_kg, during=during))
+    runs: list[Run] = []
+    for phase in phases:
+        right, left = (
+            sum((m.mass_kg for m in masses if m.hand == side and phase.name in m.during), 0.0)
+            for side in ("right", "left")
+        )
+        if runs and runs[-1][2:] == (right, left):
+            runs[-1] = runs[-1]._replace(stop=phase.stop)
+        else:
+            runs.append(Run(phase.start, phase.stop, right, left))
+    return tuple(runs)
+
+
+class PlannedForce(NamedTuple):
+    """The forces (T, 3) N on a hand at every tick, in the world's axes or in the hand's."""
+
+    hand: Side
+    in_hand_axes: bool
+    force_n: Matrix
+
+
+def forces_of(action: Action, ticks: int, time_step_s: float) -> tuple[PlannedForce, ...]:
+    """The forces an action brings, for every tick of the cycle."""
+    times: Vector = np.arange(ticks) * np.float64(time_step_s)
+    return tuple(
+        PlannedForce(load.hand, load.frame == "hand", load.at(times))
+        for load in action.loads
+        if isinstance(load, HandForce)
+    )
+
+
+def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step_s: float) -> Vector | None:
+    """How much of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
+
+    It rises with the first `SWITCH_S` of the phase it begins with and falls with those of the phase
+    that follows its last.
+    """
+    if set(during) == set(PHASES):
+        return None
+    share = np.concatenate([np.full(phase.stop - phase.start, float(phase.name in during)) for phase in phases])
+    before = False
+    for phase in phases:
+        active = phase.name in during
+        if active != before:
+            ticks = np.arange(phase.stop - phase.start)
+            rise = np.array([minimum_jerk(tick * time_step_s / SWITCH_S)[0] for tick in ticks])
+            share[phase.start : phase.stop] = rise if active else 1 - rise
+        before = active
+    return share

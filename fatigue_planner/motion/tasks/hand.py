@@ -1,0 +1,61 @@
+"""Move a hand: along a reference (actions) or to a fixed place (preferences)."""
+
+from typing import Literal, Self
+
+import numpy as np
+import pinocchio as pin
+from pydantic import model_validator
+
+from fatigue_planner.human.model import Human
+from fatigue_planner.motion.action import Orientation, Position
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.minimum_jerk import MovingPose, Pose
+from fatigue_planner.motion.settings import Side, Stiffnesses
+from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+
+
+class HandTask(Task):
+    """Follow a moving pose with a fist: its position, its orientation, or both."""
+
+    def __init__(self, weight: float, stiffness: float, frame: int, parts: slice, reference: MovingPose) -> None:
+        super().__init__(len(range(6)[parts]), weight, stiffness)
+        self.frame = frame
+        self.parts = parts
+        self.reference = reference
+
+    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
+        """See Task.evaluate."""
+        placement, twist, reference = state.placement(self.frame), state.twist(self.frame), self.reference
+        jacobian[:] = state.jacobian(self.frame)[self.parts]
+        error = np.concatenate(
+            [
+                reference.pose.position_m - placement.translation,
+                pin.log3(reference.pose.rotation @ placement.rotation.T),
+            ]
+        )
+        desired = reference.acceleration + self.damping * (reference.velocity - twist) + self.stiffness * error
+        target[:] = (desired - state.drift(self.frame))[self.parts]
+
+
+class Hand(PreferenceTask):
+    """Settings of a HandTask with a fixed reference; what is not given is free."""
+
+    kind: Literal["hand"]
+    hand: Side
+    position_m: Position | None = None
+    orientation_deg: Orientation | None = None
+
+    @model_validator(mode="after")
+    def _check_some(self) -> Self:
+        if self.position_m is None and self.orientation_deg is None:
+            raise ValueError("give position_m, orientation_deg or both")
+        return self
+
+    def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
+        """See PreferenceTask.build."""
+        place, turn = self.position_m, self.orientation_deg
+        position = np.array([place.x, place.y, place.z]) if place else np.zeros(3)
+        parts = slice(0 if place else 3, 6 if turn else 3)
+        pose = Pose(position, turn.rotation() if turn else np.eye(3))
+        frame = state.frame(f"{self.hand}_grip")
+        return HandTask(self.weight, stiffness.hand, frame, parts, MovingPose.at_rest(pose))

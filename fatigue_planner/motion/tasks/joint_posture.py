@@ -1,0 +1,53 @@
+"""Draw joints to angles."""
+
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+
+from fatigue_planner.human.joint_data import degrees_of_freedom, posture
+from fatigue_planner.human.model import BASE_DOF, Human
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.settings import Stiffnesses
+from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+
+
+class PostureTask(Task):
+    """Draw all joints to a posture; its Jacobian is the identity, so it writes only the target."""
+
+    def __init__(self, weight: float, stiffness: float, posture_rad: Vector) -> None:
+        super().__init__(len(posture_rad), weight, stiffness)
+        self.posture_rad = posture_rad
+
+    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
+        """See Task.evaluate; `jacobian` is left as it is."""
+        error = self.posture_rad - state.configuration[7:]
+        target[:] = self.stiffness * error - self.damping * state.velocity[BASE_DOF:]
+
+
+class JointPostureTask(Task):
+    """Draw some joints to angles."""
+
+    def __init__(self, weight: float, stiffness: float, joints: list[int], angles_rad: Vector) -> None:
+        super().__init__(len(joints), weight, stiffness)
+        self.joints, self.angles_rad = np.array(joints), angles_rad
+
+    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
+        """See Task.evaluate."""
+        jacobian[:] = 0
+        jacobian[np.arange(self.rows), BASE_DOF + self.joints] = 1
+        error = self.angles_rad - state.configuration[7 + self.joints]
+        target[:] = self.stiffness * error - self.damping * state.velocity[BASE_DOF + self.joints]
+
+
+class JointPosture(PreferenceTask):
+    """Settings of JointPostureTask: degrees by degree of freedom; a name without side means both sides."""
+
+    kind: Literal["joint_posture"]
+    angles_deg: dict[str, float] = Field(min_length=1)
+
+    def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
+        """See PreferenceTask.build."""
+        angles = posture(self.angles_deg, "angles_deg")
+        joints = sorted({place for name in self.angles_deg for place in degrees_of_freedom(name)})
+        return JointPostureTask(self.weight, stiffness.posture, joints, angles[joints])

@@ -1,0 +1,24 @@
+"""The kinds of tasks a motion preference can have. A new kind is a file beside this one and a line here."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMass
+from fatigue_planner.motion.tasks.hand import Hand
+from fatigue_planner.motion.tasks.joint_posture import JointPosture
+from fatigue_planner.motion.tasks.segment_orientation import SegmentOrientation
+from fatigue_planner.motion.tasks.segment_position import SegmentPosition
+from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
+from fatigue_planner.settings import Settings
+
+AnyTask = Annotated[
+    SegmentUpright | SegmentOrientation | SegmentPosition | CentreOfMass | JointPosture | Hand,
+    Field(discriminator="kind"),
+]
+
+
+class Preference(Settings):
+    """A motion preference: tasks added to those every motion has."""
+
+    tasks: tuple[AnyTask, ...]

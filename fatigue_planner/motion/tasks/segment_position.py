@@ -1,0 +1,38 @@
+"""Keep a segment's upper joint at a place."""
+
+from typing import Literal
+
+from fatigue_planner.human.model import Human
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.settings import Segment, Stiffnesses
+from fatigue_planner.motion.tasks.coordinates import Coordinates
+from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+
+
+class SegmentPositionTask(Task):
+    """Keep the origin of a segment (its upper joint; the pelvis' is the middle of the hips) at a place."""
+
+    def __init__(self, weight: float, stiffness: float, frame: int, place: Coordinates) -> None:
+        super().__init__(len(place.axes()), weight, stiffness)
+        self.frame = frame
+        self.axes, self.reference_m = place.axes(), place.values()
+
+    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
+        """See Task.evaluate."""
+        axes = self.axes
+        error = self.reference_m - state.placement(self.frame).translation[axes]
+        jacobian[:] = state.jacobian(self.frame)[axes]
+        target[:] = self.stiffness * error - self.damping * state.twist(self.frame)[axes]
+        target -= state.drift(self.frame)[axes]
+
+
+class SegmentPosition(PreferenceTask):
+    """Settings of SegmentPositionTask."""
+
+    kind: Literal["segment_position"]
+    segment: Segment
+    position_m: Coordinates
+
+    def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
+        """See PreferenceTask.build."""
+        return SegmentPositionTask(self.weight, stiffness.segment, state.frame(self.segment), self.position_m)

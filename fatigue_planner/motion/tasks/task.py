@@ -1,0 +1,48 @@
+"""What every acceleration task of the whole-body program is (paper, Eq. 3: the sum over i of w_i Delta_i).
+
+A task wants an acceleration and knows the one the body would have: it writes the rows of
+    Delta = || J a - (desired - drift) ||^2,   desired = a_ref + K_d (v_ref - v) + K_p (x_ref - x),
+with a the generalised acceleration (45,) and critical damping, K_d = 2 sqrt(K_p).
+"""
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from fatigue_planner.human.model import Human
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.settings import PHASES, PhaseName, Positive, Stiffnesses
+from fatigue_planner.settings import Settings
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+class Task(ABC):
+    """One term of the objective: `rows` equations of a weight."""
+
+    def __init__(self, rows: int, weight: float, stiffness: float) -> None:
+        self.rows = rows
+        self.weight = weight
+        self.stiffness = stiffness
+        self.damping = 2 * np.sqrt(stiffness)
+
+    @abstractmethod
+    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
+        """Write the task's Jacobian (rows, 45) and its target, desired - drift (rows,), in place."""
+
+
+class PreferenceTask(Settings):
+    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys."""
+
+    weight: Positive
+    during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
+
+    def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
+        """The task for a human; `state` is evaluated in the natural stance.
+
+        Raises DataFileError for names or angles the human does not have.
+        """
+        raise NotImplementedError
