@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, problem, reaction_requests
+from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, problem, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.simulator import phases_of, simulate
@@ -70,7 +70,7 @@ def searches(paper: Experiment) -> None:
     ReactionCache(CACHE).complete(paper.name, requests, 2, lambda _: None)
     reactions = load_reactions(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
-        model, belief = problem(paper, reactions, paper.benchmark.conditions[condition])
+        model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions[condition])
         for settings in paper.benchmark.policies.values():
             decide(model, belief, settings)
         tasks = {

@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 from conftest import PAPER
 
-from fatigue_planner.benchmark.grid import Cell, choose
+from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_cell, run_grid
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, read_table, trial_table
 from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
+from fatigue_planner.cli.options import choose
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
-from fatigue_planner.experiment.resolve import problem
+from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.policy import Decision, Policy
 from fatigue_planner.planners.registry import GreedySettings, PomcpSettings, RandomSettings
@@ -34,7 +35,15 @@ SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, d
 def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
     policies = {"random": RandomSettings(kind="random"), "greedy": GreedySettings(kind="greedy"), "search": SEARCH}
     return [
-        Cell(condition, n_cycles, policy, settings, *problem(paper, reactions, chosen), seed=7, trials=12)
+        Cell(
+            condition,
+            n_cycles,
+            policy,
+            settings,
+            *problem(paper, cycle_maps(paper, reactions), chosen),
+            seed=7,
+            trials=12,
+        )
         for condition, chosen in paper.benchmark.conditions.items()
         for n_cycles in (2, 5)
         for policy, settings in policies.items()

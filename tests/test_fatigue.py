@@ -8,12 +8,13 @@ from fatigue_planner.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import cycle_map, loads
 from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters, fatigue_parameters, fatigue_state
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.reactions.reaction import Reaction
 
 
 @pytest.fixture(scope="module")
 def parameters(paper: Experiment) -> FatigueParameters:
-    return fatigue_parameters(paper.fatigue, paper.worker.strength)
+    return fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
 
 
 def integrate(torque_nm: np.ndarray, dt: float, parameters: FatigueParameters, fatigue: np.ndarray) -> np.ndarray:

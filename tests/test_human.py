@@ -7,12 +7,14 @@ import pytest
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
-from fatigue_planner.human.joint_data import STRENGTHS, maximum_torques, position_limits, posture
+from fatigue_planner.human.joint_data import STRENGTHS, maximum_torque, position_limits, posture
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
-from fatigue_planner.motion.tasks import CentreOfMassTask, PostureTask
+from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
+from fatigue_planner.motion.tasks.coordinates import Coordinates
+from fatigue_planner.motion.tasks.joint_posture import PostureTask
 
 
 def worker(height_m: float = 1.75, mass_kg: float = 75, sex: str = "male") -> Worker:
@@ -29,13 +31,13 @@ def human() -> Human:
 
 def place(human: Human, frame: str, **angles_deg: float) -> np.ndarray:
     data = human.model.createData()
-    pin.framesForwardKinematics(human.model, data, stand(human.model, posture(angles_deg)))
+    pin.framesForwardKinematics(human.model, data, stand(human.model, posture(angles_deg, "natural_posture_deg")))
     return data.oMf[human.model.getFrameId(frame)].translation.copy()
 
 
 def static_torque(human: Human, **angles_deg: float) -> dict[str, float]:
     """Gravity torques with the pelvis held (N.m), by degree of freedom."""
-    q = stand(human.model, posture(angles_deg))
+    q = stand(human.model, posture(angles_deg, "natural_posture_deg"))
     gravity = pin.computeGeneralizedGravity(human.model, human.model.createData(), q)
     return dict(zip(DEGREES_OF_FREEDOM, gravity[6:], strict=True))
 
@@ -125,7 +127,7 @@ def test_leg_directions_seen_from_the_pelvis(human: Human, freedom: str, frame: 
 
         def seen(angle: float, side: str = side) -> np.ndarray:
             data = human.model.createData()
-            q = stand(human.model, posture({f"{side}_{freedom}": angle}))
+            q = stand(human.model, posture({f"{side}_{freedom}": angle}, "angles"))
             pin.framesForwardKinematics(human.model, data, q)
             pelvis = data.oMf[human.model.getFrameId("pelvis")]
             return pelvis.actInv(data.oMf[human.model.getFrameId(f"{side}_{frame}")]).translation
@@ -175,23 +177,24 @@ def test_static_shoulder_torque_by_hand() -> None:
 def test_stooping_loads_the_back_within_the_literature_band() -> None:
     """Trunk bent by 85 degrees with 5 kg in the hanging right hand: about 150 N.m at L5/S1."""
     human = build_human(worker(), 5)
-    q = stand(human.model, posture({"hip_flexion": 85, "shoulder_flexion": 85}))
+    q = stand(human.model, posture({"hip_flexion": 85, "shoulder_flexion": 85}, "natural_posture_deg"))
     gravity = pin.computeGeneralizedGravity(human.model, human.model.createData(), q)
     assert 100 < -gravity[6 + joint_index("lumbar_flexion")] < 200
 
 
 def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) -> None:
     """Every one of the 78 entries is below alpha, so all of them recover."""
-    human = build_human(paper.worker)
+    human = build_human(paper.workers["average_man"])
     state = BodyState(human)
     state.update(human.stance, np.zeros(45))
     weights, stiffness = paper.controller.weights, paper.controller.stiffness_per_s2
-    balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, state.data.com[0].copy())
+    x, y, _ = state.data.com[0]
+    balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
     stay = PostureTask(weights.posture, stiffness.posture, human.stance[7:])
-    strength = maximum_torques(paper.worker.strength)
+    strength = maximum_torque(paper.workers["average_man"].strength).vectors()
     result = WholeBodyController(human, state, paper.controller, strength, stay, [balance]).step()
     assert result is not None
-    acceleration, _, torque = result
+    acceleration, _, torque, _ = result
     np.testing.assert_allclose(acceleration, 0, atol=1e-3)
     share = np.maximum(torque / strength[0], -torque / strength[1])
     assert share.max() < paper.fatigue.threshold
@@ -199,13 +202,14 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in STRENGTHS.glob("*.yaml")))
 def test_strength_sets_are_complete_and_positive(name: str) -> None:
-    positive, negative = maximum_torques(name)
+    positive, negative = maximum_torque(name).vectors()
     assert positive.shape == negative.shape == (39,)
     assert (positive > 0).all() and (negative > 0).all()
 
 
 def test_women_are_not_stronger_than_men() -> None:
-    for man, woman in zip(maximum_torques("average_man"), maximum_torques("average_woman"), strict=True):
+    men, women = (maximum_torque(name).vectors() for name in ("average_man", "average_woman"))
+    for man, woman in zip(men, women, strict=True):
         assert (woman <= man).all()
 
 
@@ -216,7 +220,7 @@ def test_zero_lies_in_every_range_of_motion() -> None:
 
 def test_unknown_strength_set_names_those_there_are() -> None:
     with pytest.raises(DataFileError, match="average_man, average_woman"):
-        maximum_torques("strong_man")
+        maximum_torque("strong_man")
 
 
 def test_a_users_own_strength_file_must_be_complete(tmp_path) -> None:
@@ -224,11 +228,11 @@ def test_a_users_own_strength_file_must_be_complete(tmp_path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(text)
     with pytest.raises(DataFileError, match=r"missing: \['knee_flexion'\], unknown: \['kneeflexion'\]"):
-        maximum_torques(str(path))
+        maximum_torque(str(path))
 
 
 def test_posture_refuses_unknown_joints_and_impossible_angles() -> None:
     with pytest.raises(DataFileError, match="unknown degree of freedom 'knee'"):
-        posture({"knee": 5})
+        posture({"knee": 5}, "natural_posture_deg")
     with pytest.raises(DataFileError, match=r"right_knee_flexion = -5 deg is outside .* \[0, 135\]"):
-        posture({"right_knee_flexion": -5})
+        posture({"right_knee_flexion": -5}, "natural_posture_deg")

@@ -14,34 +14,38 @@ from fatigue_planner.motion.contact import wrench_cone
 from fatigue_planner.motion.limits import acceleration_bounds
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
+from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle
-from fatigue_planner.motion.simulator import _Body, phases_of, simulate
+from fatigue_planner.motion.simulator import Simulator, _Body, simulate
 from fatigue_planner.motion.verification import measure
 from fatigue_planner.reactions.reaction import Reaction
 
 
 def test_minimum_jerk_has_its_known_peaks() -> None:
     """Peak speed 1.875 D/T at half time, peak acceleration 5.774 D/T^2 (Flash & Hogan 1985)."""
-    samples = np.array([minimum_jerk(x) for x in np.linspace(0, 1, 2001)])
-    assert samples[0].tolist() == [0, 0, 0] and samples[-1].tolist() == [1, 0, 0]
-    assert samples[:, 1].max() == pytest.approx(1.875) and minimum_jerk(0.5)[1] == pytest.approx(1.875)
-    assert samples[:, 2].max() == pytest.approx(10 / np.sqrt(3), rel=1e-5)
-    assert minimum_jerk(-1) == (0, 0, 0) and minimum_jerk(2) == (1, 0, 0)
+    share, speed, acceleration = minimum_jerk(np.linspace(0, 1, 2001))
+    assert (share[0], speed[0], acceleration[0]) == (0, 0, 0) and (share[-1], speed[-1], acceleration[-1]) == (1, 0, 0)
+    assert speed.max() == pytest.approx(1.875) and speed[1000] == pytest.approx(1.875)
+    assert acceleration.max() == pytest.approx(10 / np.sqrt(3), rel=1e-5)
+    outside = np.array(minimum_jerk(np.array([-1.0, 2.0])))
+    assert outside.tolist() == [[0, 1], [0, 0], [0, 0]]
 
 
 def test_reach_velocities_are_the_derivatives_of_its_pose() -> None:
-    reach = Reach(
-        Pose(np.zeros(3), np.eye(3)), Pose(np.array([0.3, -0.1, 0.5]), pin.exp3(np.array([0.4, -1.2, 0.7]))), 2.0
-    )
-    h = 1e-5
+    turned = pin.exp3(np.array([0.4, -1.2, 0.7]))
+    start, end = Pose(np.zeros(3), pin.exp3(np.array([0.3, 0, 0]))), Pose(np.array([0.3, -0.1, 0.5]), turned)
+    reach, h = Reach(start, end, 2.0), 1e-5
+    moments = reach.at(np.array([0.0, 2.0, 3.0]))
+    for moment, pose in zip(range(3), (start, end, end), strict=True):
+        np.testing.assert_allclose(moments.position_m[moment], pose.position_m, atol=1e-14)
+        np.testing.assert_allclose(moments.rotation[moment], pose.rotation, atol=1e-14)
     for t in (0.3, 1.0, 1.7):
-        before, now, after = reach.at(t - h), reach.at(t), reach.at(t + h)
-        np.testing.assert_allclose((after.pose.position_m - before.pose.position_m) / (2 * h), now.velocity, atol=1e-8)
-        turn = pin.log3(after.pose.rotation @ before.pose.rotation.T) / (2 * h)
-        np.testing.assert_allclose(turn, now.angular_velocity, atol=1e-8)
-        np.testing.assert_allclose((after.velocity - before.velocity) / (2 * h), now.acceleration, atol=1e-8)
-        change = (after.angular_velocity - before.angular_velocity) / (2 * h)
-        np.testing.assert_allclose(change, now.angular_acceleration, atol=1e-7)
+        moments = reach.at(np.array([t - h, t, t + h]))
+        turn = pin.log3(moments.rotation[2] @ moments.rotation[0].T)
+        moved = np.concatenate([moments.position_m[2] - moments.position_m[0], turn])
+        np.testing.assert_allclose(moved / (2 * h), moments.velocity[1], atol=1e-8)
+        change = (moments.velocity[2] - moments.velocity[0]) / (2 * h)
+        np.testing.assert_allclose(change, moments.acceleration[1], atol=1e-7)
 
 
 def test_phases_are_whole_ticks() -> None:
@@ -78,7 +82,8 @@ def test_a_joint_driven_hard_at_its_limit_never_passes_it() -> None:
     for start_speed in (0.0, 0.5, 2.0):
         q, v = np.array([-0.4]), np.array([start_speed])
         for _ in range(2000):
-            lowest, highest = acceleration_bounds(q, v, np.array([-1.0]), np.array([0.5]), 3.0, limit, 2 * dt)
+            lowest, highest = np.empty(1), np.empty(1)
+            acceleration_bounds(q, v, np.array([-1.0]), np.array([0.5]), 3.0, limit, 2 * dt, lowest, highest)
             assert lowest <= highest
             v = v + dt * np.clip(1e3, lowest, highest)
             q = q + dt * v
@@ -89,21 +94,14 @@ def test_a_joint_driven_hard_at_its_limit_never_passes_it() -> None:
 def mid_reach(paper: Experiment, index: int) -> _Body:
     """A body half-way through its reach, at speed, with its references set."""
     request = reaction_requests(paper)[index].motion
-    body = _Body(request, request.tool.mass_kg)
-    from fatigue_planner.motion.simulator import target_pose
-
-    reach = Reach(body.fist(), target_pose(request.action), request.cycle.reach_s)
-    q, v, dt = body.human.stance.copy(), np.zeros(45), request.controller.time_step_s
-    for tick in range(500):
-        body.state.update(q, v)
-        body.hand.reference = reach.at(tick * dt)
-        result = body.controller.step()
+    simulator = Simulator(request)
+    for tick in range(250):
+        simulator.prepare(tick)
+        result = simulator.body.controller.step()
         assert result is not None
-        v = v + dt * result[0]
-        q = pin.integrate(body.human.model, q, dt * v)
-    body.state.update(q, v)
-    body.hand.reference = reach.at(500 * dt)
-    return body
+        simulator.advance(result.acceleration)
+    simulator.prepare(250)
+    return simulator.body
 
 
 @pytest.mark.parametrize("index", [0, 3])
@@ -112,7 +110,8 @@ def test_condensed_program_solves_the_papers_program(paper: Experiment, index: i
     body = mid_reach(paper, index)
     result = body.controller.step()
     assert result is not None
-    acceleration, wrench, torque = result
+    acceleration, wrench, torque, _ = result
+    body.controller.fill_whole_program()
     program, nv, nj = body.controller.program, 45, 39
     # unknowns (tau, a, w): the condensed program's rows and costs, its torque rows replaced
     torque_rows = slice(18, 18 + nj)
@@ -144,6 +143,7 @@ def test_solution_is_optimal(paper: Experiment, index: int) -> None:
     result = body.controller.step()
     assert result is not None
     x = np.concatenate(result[:2])
+    body.controller.fill_whole_program()
     p = body.controller.program
     rows = np.vstack([p.A, np.eye(len(x))])
     lower, upper = np.concatenate([p.row_lower, p.lower]), np.concatenate([p.row_upper, p.upper])
@@ -164,7 +164,7 @@ def test_every_stored_motion_keeps_its_bars(paper: Experiment, reactions: tuple[
     requests = {request.name: request for request in reaction_requests(paper)}
     for reaction in reactions:
         quality = measure(requests[reaction.name].motion, reaction.motion)
-        assert quality == reaction.quality
+        assert quality == reaction.quality and quality.verdict(paper.accuracy) == "ok"
         assert quality.equation_of_motion_nm <= 1e-8
         for violation in (
             quality.friction_violation_n, quality.unilateral_violation_n, quality.torque_violation_nm,
@@ -177,7 +177,7 @@ def test_every_stored_motion_keeps_its_bars(paper: Experiment, reactions: tuple[
 
 
 def test_motions_are_consistent_and_return_to_the_stance(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    model = build_human(paper.worker, paper.tool.mass_kg).model
+    model = build_human(paper.workers["average_man"], paper.tool.mass_kg).model
     for reaction in reactions:
         motion = reaction.motion
         assert len(motion.torque_nm) == round(16 / motion.time_step_s)
@@ -186,12 +186,12 @@ def test_motions_are_consistent_and_return_to_the_stance(paper: Experiment, reac
             q = pin.integrate(model, motion.configuration[tick], motion.time_step_s * v)
             np.testing.assert_allclose(v, motion.velocity[tick + 1], atol=1e-12)
             np.testing.assert_allclose(q, motion.configuration[tick + 1], atol=1e-12)
-        assert np.abs(motion.configuration[-1, 7:] - motion.configuration[0, 7:]).max() < np.radians(1)
+        assert np.abs(motion.configuration[-1, 7:] - motion.configuration[0, 7:]).max() < np.radians(1.5)
 
 
 def test_the_preferences_do_what_they_say(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """For each object pose the arm reaction bends the back less, the back reaction lifts the arm less."""
-    human = build_human(paper.worker)
+    human = build_human(paper.workers["average_man"])
     data = human.model.createData()
     tilt: dict[tuple[str, str, str], float] = {}
     for reaction in reactions:
@@ -210,10 +210,10 @@ def test_torques_are_in_the_literatures_bands(reactions: tuple[Reaction, ...]) -
     from fatigue_planner.human.model import joint_index
 
     by_name = {str(reaction.name): reaction.motion for reaction in reactions}
-    high = by_name["high/arm"]
+    high = by_name["average_man/high/arm"]
     shoulder = high.torque_nm[high.phase("work"), joint_index("right_shoulder_flexion")].mean()
     assert 25 < shoulder < 40
-    for name in ("low/arm", "low/back"):
+    for name in ("average_man/low/arm", "average_man/low/back"):
         motion = by_name[name]
         assert 100 < -motion.torque_nm[motion.phase("work"), joint_index("lumbar_flexion")].mean() < 200
 
@@ -255,7 +255,7 @@ def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tu
     moved = reactions[0].motion.configuration.copy()
     moved[:, 0] += 0.1
     quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, configuration=moved))
-    assert quality.work_hand_error_m > 0.09 and quality.foot_displacement_m == pytest.approx(0.1)
+    assert quality.work_hand_error_m > 0.09 and quality.foot_displacement_m == pytest.approx(0.1, rel=1e-5)
     wrench = reactions[0].motion.wrench.copy()
     wrench[5, 5] += 1e3
     quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, wrench=wrench))
@@ -284,17 +284,33 @@ def test_an_unsolvable_program_fails_with_time_and_advice(paper: Experiment) -> 
 
     request = reaction_requests(paper)[2].motion
     weak = request.controller.model_copy(update={"torque_limit_factor": 0.02})
-    with pytest.raises(FailedMotionError, match=r"no admissible movement at t = 0\.\d\d s \(reach\).*lighter"):
+    with pytest.raises(
+        FailedMotionError, match=r"t = 0\.\d\d s \(reach, tick \d+\): torque of .* N\.m allowed\)\. A stronger worker"
+    ):
         simulate(replace(request, controller=weak))
 
 
 def test_the_second_solver_takes_over(paper: Experiment, monkeypatch: pytest.MonkeyPatch) -> None:
     body = mid_reach(paper, 1)
     expected = body.controller.step()
-    monkeypatch.setattr(body.controller.program, "solve", lambda: None)
+    monkeypatch.setattr(body.controller.free, "solve", lambda: None)
     result = body.controller.step()
     assert expected is not None and result is not None
-    np.testing.assert_allclose(result[2], expected[2], atol=1e-6)
+    np.testing.assert_allclose(result.torque_nm, expected.torque_nm, atol=1e-6)
+
+
+def test_a_torque_at_its_limit_gives_the_whole_programs_answer(paper: Experiment) -> None:
+    """Where the answer without torque and contact limits breaks one, the whole program is solved, exactly."""
+    body = mid_reach(paper, 0)
+    free = body.controller.step()
+    joint = int(np.abs(free.torque_nm).argmax())
+    bound = 0.98 * abs(free.torque_nm[joint])
+    body.controller._highest_torque = body.controller._highest_torque.copy()
+    body.controller._lowest_torque = body.controller._lowest_torque.copy()
+    body.controller._highest_torque[joint], body.controller._lowest_torque[joint] = bound, -bound
+    held = body.controller.step()
+    assert abs(held.torque_nm[joint]) == pytest.approx(bound, abs=1e-9)
+    assert body.controller.program.optimality() < 1e-9 and held.eased_radps2.max() == 0
 
 
 @pytest.mark.parametrize("name", ["H", "A", "g", "row_upper", "lower"])

@@ -7,7 +7,7 @@ import pytest
 
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.exports.urdf import urdf_text
-from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.reactions.reaction import Reaction
@@ -19,7 +19,7 @@ class Oracle:
     """Inverse dynamics of the exported human by MuJoCo, in this project's conventions."""
 
     def __init__(self, human: Human) -> None:
-        text = urdf_text(human.model, maximum_torques("average_man"), 10.0)
+        text = urdf_text(human.model, maximum_torque("average_man").vectors(), 10.0)
         specification = mujoco.MjSpec.from_string(text)
         specification.body("pelvis").add_freejoint(name="root")
         self.model = specification.compile()
@@ -58,7 +58,7 @@ class Oracle:
 
 @pytest.fixture(scope="module")
 def loaded(paper: Experiment) -> Human:
-    return build_human(paper.worker, paper.tool.mass_kg)
+    return build_human(paper.workers["average_man"], paper.tool.mass_kg)
 
 
 def test_random_states(loaded: Human) -> None:

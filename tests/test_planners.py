@@ -12,7 +12,7 @@ import pytest
 from scipy import stats
 from test_pomdp import small_model
 
-from fatigue_planner.experiment.resolve import problem
+from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, RandomPolicy
 from fatigue_planner.planners.pomcp import PomcpPolicy
@@ -148,7 +148,7 @@ def test_one_step_values_are_unbiased() -> None:
 
 def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Where the exact lookahead clearly prefers an action, so does POMCP with many descents."""
-    model, belief = problem(paper, reactions, paper.benchmark.conditions["single_novice"])
+    model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions["single_novice"])
     for action in (1, 1, 1):
         belief = belief.update(model, action, 0)
     exact = [expectimax(model, belief, a, 5) for a in range(2)]
@@ -213,7 +213,7 @@ def test_compiled_search_equals_plain_python_bit_for_bit() -> None:
 
 
 def test_registry_builds_every_policy_of_the_paper(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    model, belief = problem(paper, reactions, paper.benchmark.conditions["single_novice"])
+    model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions["single_novice"])
     kinds = set()
     for settings in paper.benchmark.policies.values():
         small = settings.model_copy(update={"descents": 50}) if isinstance(settings, PomcpSettings) else settings

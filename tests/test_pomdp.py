@@ -6,10 +6,11 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fatigue_planner.experiment.resolve import problem
+from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleMap, cycle_map
 from fatigue_planner.fatigue.parameters import fatigue_parameters
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.pomdp.model import FatiguePomdp, build_pomdp
 from fatigue_planner.pomdp.preference_choice import preference_probabilities
@@ -61,14 +62,14 @@ def test_choice_does_not_depend_on_a_common_cost() -> None:
 def test_live_entries_change_nothing(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Cost and choice from the live entries are those from all 78."""
     condition = paper.benchmark.conditions["multiple_novice"].model_copy(update={"expertise": 50.0})
-    model, belief = problem(paper, reactions, condition)
+    model, belief = problem(paper, cycle_maps(paper, reactions), condition)
     assert model.entries == 78 and len(model.live) < 40
-    parameters = fatigue_parameters(paper.fatigue, paper.worker.strength)
+    parameters = fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
     maps = {str(r.name): cycle_map(r.motion.torque_nm, r.motion.time_step_s, parameters) for r in reactions}
     full = np.zeros(78)
     full[model.live] = belief.states[1]
     for a, action in enumerate(model.actions):
-        after = np.array([maps[f"{action}/{u}"].apply(full) for u in model.preferences])
+        after = np.array([maps[f"average_man/{action}/{u}"].apply(full) for u in model.preferences])
         costs = (after**2).sum(axis=1) / 78
         np.testing.assert_allclose(model.cost(model.next_fatigue(belief.states[1], a)), costs, rtol=1e-12)
         np.testing.assert_allclose(model.choice(belief.states[1], a), preference_probabilities(costs, 50.0), rtol=1e-9)
@@ -86,10 +87,10 @@ def test_a_task_that_tires_nobody_can_be_planned() -> None:
 
 
 def test_initial_beliefs_are_the_papers(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    model, belief = problem(paper, reactions, paper.benchmark.conditions["multiple_novice"])
+    model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions["multiple_novice"])
     np.testing.assert_allclose(belief.weights, [0.2, 0.4, 0.4])
     np.testing.assert_allclose(belief.states.sum(axis=1), [0, 1, 1])  # both entries of one joint at 0.5
-    _, single = problem(paper, reactions, paper.benchmark.conditions["single_expert"])
+    _, single = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions["single_expert"])
     assert single.weights.tolist() == [1] and not single.states.any()
     assert model.discount == 0.95
 
@@ -120,7 +121,7 @@ def test_belief_is_bayes_rule_over_whole_histories(expertise: float, observation
 
 
 def test_exact_observation_never_grows_the_belief(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    model, belief = problem(paper, reactions, paper.benchmark.conditions["multiple_novice"])
+    model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions["multiple_novice"])
     for cycle in range(30):
         belief = belief.update(model, cycle % 2, cycle // 3 % 2)
     assert belief.states.shape[0] == 3

@@ -14,7 +14,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.library import ARRAYS, read_library, write_library
+from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, read_library, write_reaction
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -43,7 +43,7 @@ def test_library_describes_itself(cache_folder: Path) -> None:
     with h5py.File(path) as file:
         assert [name.decode() for name in file["degrees_of_freedom"]] == list(DEGREES_OF_FREEDOM)
         assert {"format", "format_version", "digest", "versions"} <= set(file.attrs)
-        group = file["reactions/high/arm"]
+        group = file["reactions/average_man/high/arm"]
         assert {"digest", "settings", "quality", "time_step_s", "content_sha256"} <= set(group.attrs)
         assert [name.decode() for name in group["phases"]] == ["reach", "work", "return"]
         for name in ARRAYS:
@@ -51,12 +51,17 @@ def test_library_describes_itself(cache_folder: Path) -> None:
 
 
 def test_library_comes_back_as_it_was(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
-    write_library(tmp_path / "copy.h5", reactions[:2])
-    for written, read in zip(reactions[:2], read_library(tmp_path / "copy.h5"), strict=True):
+    sources = []
+    for reaction in reactions[:2]:
+        path = tmp_path / f"{reaction.name.preference}.h5"
+        write_reaction(path, reaction)
+        sources.append(Source(reaction.name, reaction.digest, path, reaction.name))
+    assemble_library(tmp_path / "both.h5", sources)
+    for written, read in zip(reactions[:2], read_library(tmp_path / "both.h5"), strict=True):
         assert (written.name, written.digest, written.settings) == (read.name, read.digest, read.settings)
         for name in ARRAYS:
             np.testing.assert_array_equal(getattr(written.motion, name), getattr(read.motion, name))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["copy.h5"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["arm.h5", "back.h5", "both.h5"]
 
 
 def test_second_run_finds_everything(brief: Experiment, tmp_path: Path) -> None:
@@ -78,20 +83,20 @@ def test_unfinished_work_is_taken_up(brief: Experiment, tmp_path: Path) -> None:
 
 def test_settings_that_matter_make_a_new_entry_and_others_do_not(paper: Experiment) -> None:
     def digest(experiment: Experiment) -> str:
-        return reaction_requests(experiment)[0].digest()
+        return reaction_requests(experiment)[0].digest
 
     def changed(**update: object) -> Experiment:
         return paper.model_copy(update=update)
 
     same = digest(paper)
-    settings = paper.controller
+    settings, man = paper.controller, paper.workers["average_man"]
     different = [
-        changed(worker=paper.worker.model_copy(update={"height_m": 1.76})),
-        changed(worker=paper.worker.model_copy(update={"strength": "average_woman"})),
+        changed(workers={"average_man": man.model_copy(update={"height_m": 1.76})}),
+        changed(workers={"average_man": man.model_copy(update={"strength": "average_woman"})}),
         changed(tool=paper.tool.model_copy(update={"mass_kg": 4.0})),
         changed(tool=paper.tool.model_copy(update={"held": "work"})),
         changed(cycle=Cycle(reach_s=4.0, work_s=6.0, return_s=5.0)),
-        changed(controller=settings.model_copy(update={"time_step_s": 0.01})),
+        changed(controller=settings.model_copy(update={"time_step_s": 0.005})),
         changed(controller=settings.model_copy(update={"solver": "qpoases"})),
         changed(accuracy=paper.accuracy.model_copy(update={"hand_error_m": 0.02})),
         changed(actions={"high": paper.actions["low"]}),
@@ -106,14 +111,14 @@ def test_settings_that_matter_make_a_new_entry_and_others_do_not(paper: Experime
 def test_inaccurate_motion_is_reported_and_never_kept(brief: Experiment, tmp_path: Path) -> None:
     strict = brief.model_copy(update={"accuracy": brief.accuracy.model_copy(update={"hand_error_m": 1e-7})})
     _, path, outcomes = complete(strict, tmp_path)
-    assert outcomes[0].reaction is None and "out of reach" in outcomes[0].failure
+    assert outcomes[0].verdict == "failed" and "out of reach" in outcomes[0].failure
     assert not path.exists() and not list(tmp_path.rglob("*.h5"))
 
 
 @pytest.mark.parametrize("position", [0.02, 0.3, 0.6, 0.95])
 def test_flipped_bit_is_noticed_set_aside_and_mended(brief: Experiment, tmp_path: Path, position: float) -> None:
     _, path, _ = complete(brief, tmp_path)
-    intact = read_library(path)
+    intact = tuple(read_library(path))
     data = bytearray(path.read_bytes())
     # a byte that is used: HDF5 leaves gaps between its structures
     place = next(i for i in range(int(position * len(data)), len(data)) if data[i])
@@ -141,7 +146,7 @@ def test_every_flip_in_the_numbers_is_noticed(brief: Experiment, tmp_path: Path)
     with h5py.File(path) as file:
         chunks = [
             data.id.get_chunk_info(i)
-            for data in (file[f"reactions/high/arm/{name}"] for name in ARRAYS)
+            for data in (file[f"reactions/average_man/high/arm/{name}"] for name in ARRAYS)
             for i in range(data.id.get_num_chunks())
         ]
     rng = np.random.default_rng(0)
@@ -151,7 +156,7 @@ def test_every_flip_in_the_numbers_is_noticed(brief: Experiment, tmp_path: Path)
         data[chunk.byte_offset + rng.integers(chunk.size)] ^= 1 << rng.integers(8)
         path.write_bytes(bytes(data))
         with pytest.raises(DamagedFileError):
-            read_library(path)
+            tuple(read_library(path))
 
 
 def test_files_of_others_are_left_alone(brief: Experiment, tmp_path: Path) -> None:
@@ -164,8 +169,8 @@ def test_files_of_others_are_left_alone(brief: Experiment, tmp_path: Path) -> No
 def test_library_with_a_reaction_missing_is_completed(brief: Experiment, tmp_path: Path) -> None:
     _, path, _ = complete(brief, tmp_path)
     with h5py.File(path, "r+") as file:
-        del file["reactions/high/arm"]
-    with pytest.raises(DamagedFileError, match="holds no reaction high/arm"):
+        del file["reactions/average_man/high/arm"]
+    with pytest.raises(DamagedFileError, match="does not hold the reactions it was written with"):
         load_reactions(brief, tmp_path, "fatplan simulate")
     complete(brief, tmp_path)
     assert len(load_reactions(brief, tmp_path, "fatplan simulate")) == 1
@@ -178,7 +183,7 @@ def test_damaged_library_is_mended_from_a_sound_twin(brief: Experiment, tmp_path
     path.write_bytes(path.read_bytes()[:5000])
     cache, again, outcomes = complete(brief, tmp_path)
     assert len(cache.damaged) == 1 and outcomes[0].found and again == path
-    assert len(read_library(path)) == 1
+    assert len(tuple(read_library(path))) == 1
 
 
 @pytest.mark.parametrize("damage", [b"", b"no HDF5", None])
@@ -198,17 +203,17 @@ def test_altered_data_behind_a_valid_checksum_are_noticed(cache_folder: Path, tm
     path = tmp_path / source.name
     shutil.copy(source, path)
     with h5py.File(path, "r+") as file:
-        file["reactions/low/back/torque_nm"][5, 5] += 1e-9
-    with pytest.raises(DamagedFileError, match="low/back does not match its hash"):
-        read_library(path)
+        file["reactions/average_man/low/back/torque_nm"][5, 5] += 1e-9
+    with pytest.raises(DamagedFileError, match="average_man/low/back does not match its hash"):
+        tuple(read_library(path))
 
 
 def test_reactions_of_other_settings_under_this_name_are_refused(
     paper: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path
 ) -> None:
     path = ReactionCache(tmp_path).path(paper.name, reaction_requests(paper))
-    write_library(path, [replace(reactions[0], digest="0" * 64), *reactions[1:]])
-    with pytest.raises(DamagedFileError, match="made with other settings"):
+    write_reaction(path, replace(reactions[0], digest="0" * 64))
+    with pytest.raises(DamagedFileError, match="holds other reactions than its name says"):
         load_reactions(paper, tmp_path, "fatplan simulate p.yaml")
 
 

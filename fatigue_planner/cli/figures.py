@@ -18,9 +18,8 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.errors import StaleTableError
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.cycle_map import cycle_map
 from fatigue_planner.figures.pose_map import place_figure, place_table
 from fatigue_planner.figures.postures import FEW, posture_figure
 from fatigue_planner.figures.returns import returns_figure
@@ -72,8 +71,7 @@ def _draw_returns(settings: Experiment, folder: Path, command: str) -> list[Path
 
 def _draw_reactions(settings: Experiment, reactions: Sequence[Reaction], folder: Path) -> list[Path]:
     parameters = worker_fatigue(settings)
-    maps = {r.name: cycle_map(r.motion.torque_nm, r.motion.time_step_s, parameters[r.name.worker]) for r in reactions}
-    places = place_table(settings.actions, maps)
+    places = place_table(settings.actions, cycle_maps(settings, reactions))
     files = []
     for worker, person in settings.workers.items():
         suffix = f"_{worker}" if len(settings.workers) > 1 else ""

@@ -1,6 +1,6 @@
 """From an experiment to what the layers below work with."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -54,8 +54,13 @@ def load_cycle_maps(experiment: Experiment, cache_folder: Path, command: str) ->
 
     Raises as `load_reactions`.
     """
+    requests = reaction_requests(experiment)
+    return cycle_maps(experiment, ReactionCache(cache_folder).stream(experiment.name, requests, command))
+
+
+def cycle_maps(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleMap]:
+    """What one cycle of each of these reactions does to fatigue."""
     parameters = worker_fatigue(experiment)
-    reactions = ReactionCache(cache_folder).stream(experiment.name, reaction_requests(experiment), command)
     return {
         reaction.name: cycle_map(
             reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]

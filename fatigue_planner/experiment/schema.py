@@ -92,7 +92,7 @@ class Experiment(Settings):
             raise ValueError(f"benchmark.n_cycles: {repeated[0]} stands twice")
         for name, conditions in self.figures.items():
             if name.startswith(RESERVED):
-                raise ValueError(f"figures.{name}: names that begin like another file are taken: {', '.join(RESERVED)}")
+                raise ValueError(f"figures.{name}: begins like another file's name; taken are {', '.join(RESERVED)}")
             unknown = [condition for condition in conditions if condition not in self.benchmark.conditions]
             if unknown or not conditions:
                 raise ValueError(

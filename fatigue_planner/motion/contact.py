@@ -45,7 +45,7 @@ class SoleContact:
         """How far the sole is from its place: (6,) m and rad, in the sole's axes."""
         return np.asarray(pin.log6(self.home.actInv(state.placement(self.frame))).vector)
 
-    def required_acceleration(self, state: BodyState) -> Vector:
-        """Right-hand side of J a = ... (6,) that keeps (and returns) the sole in place."""
-        feedback = self.stiffness * self.displacement(state) + self.damping * state.local_twist(self.frame)
+    def required_acceleration(self, state: BodyState, jacobian: Matrix) -> Vector:
+        """Right-hand side of J a = ... (6,) that keeps (and returns) the sole in place; J (6, 45) in its axes."""
+        feedback = self.stiffness * self.displacement(state) + self.damping * (jacobian @ state.velocity)
         return np.asarray(-feedback - state.local_drift(self.frame))

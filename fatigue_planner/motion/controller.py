@@ -8,6 +8,7 @@ stay, as rows. What is solved is the same program, 2-4 times faster.
 Wrenches act from the ground on the foot (the paper writes them with the opposite sign).
 """
 
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
+from fatigue_planner.motion.assembly import assemble
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.elastic_program import Eased, solve_elastic
@@ -25,6 +27,10 @@ from fatigue_planner.motion.tasks.joint_posture import PostureTask
 from fatigue_planner.motion.tasks.task import Task
 
 Vector = NDArray[np.float64]
+
+
+# Beyond this a body whose limits give way is falling, not moving (human limbs reach it in fast throws only).
+MOST_EASED_RADPS2 = 100.0
 
 
 class Tick(NamedTuple):
@@ -40,12 +46,21 @@ class Tick(NamedTuple):
     eased_radps2: Vector
 
 
-class Obstacle(NamedTuple):
-    """The limit that stands most in the way of any movement: its kind, where, and by how much."""
+class LimitKind(Enum):
+    """The limits that may leave no movement."""
 
-    kind: str
+    JOINT = "joint range"
+    TORQUE = "torque"
+    CONTACT = "contact"
+
+
+class Obstacle(NamedTuple):
+    """The limit in the way of any movement: its kind, where, how much in words, and as a share of its scale."""
+
+    kind: LimitKind
     place: str
     amount: str
+    share: float
 
 
 class WholeBodyController:
@@ -73,8 +88,11 @@ class WholeBodyController:
         nv = human.model.nv
         self.nv, self.nj = nv, nv - BASE_DOF
         wrenches = WRENCH * len(self.contacts)
-        rows = BASE_DOF + wrenches + self.nj + CONE_ROWS * len(self.contacts)
+        equalities = BASE_DOF + wrenches
+        rows = equalities + self.nj + CONE_ROWS * len(self.contacts)
+        self._torque_rows = slice(equalities, equalities + self.nj)
         self.program = QuadraticProgram(nv + wrenches, rows, settings.solver)
+        self.free = QuadraticProgram(nv + wrenches, equalities, settings.solver)
         self._lower, self._upper = human.model.lowerPositionLimit[7:], human.model.upperPositionLimit[7:]
         self._highest_torque = settings.torque_limit_factor * strength[0]
         self._lowest_torque = -settings.torque_limit_factor * strength[1]
@@ -85,18 +103,22 @@ class WholeBodyController:
         ends = np.cumsum([task.rows for task in tasks])
         self._task_rows = [slice(end - task.rows, end) for task, end in zip(tasks, ends, strict=True)]
         self._posture_target = np.zeros(self.nj)
-        self._contact_jacobian = np.zeros((wrenches, nv))
+        self._contact_jacobian, self._required = np.zeros((wrenches, nv)), np.zeros(wrenches)
+        self._not_eased = np.zeros(self.nj)
         self._torque_map = np.zeros((self.nj, nv + wrenches))
-        cone_scale = np.full(CONE_ROWS * len(self.contacts), human.mass_kg * GRAVITY_MPS2)
-        acceleration_scale = np.full(self.nj, settings.acceleration_limit_radps2)
-        self._slack_scale = np.concatenate([acceleration_scale, np.maximum(*strength), cone_scale])
+        self._scale = {
+            LimitKind.JOINT: np.full(self.nj, settings.acceleration_limit_radps2),
+            LimitKind.TORQUE: np.maximum(*strength),
+            LimitKind.CONTACT: np.full(CONE_ROWS * len(self.contacts), human.mass_kg * GRAVITY_MPS2),
+        }
         self._set_constant_parts(human)
 
     def _set_constant_parts(self, human: Human) -> None:
         program, nv = self.program, self.nv
-        program.lower[:], program.upper[:] = -np.inf, np.inf
-        cone = wrench_cone(human.sole_half_length_m, human.sole_half_breadth_m, self.settings.friction_coefficient)
-        first = BASE_DOF + WRENCH * len(self.contacts) + self.nj
+        self.free.lower[:], self.free.upper[:] = -np.inf, np.inf
+        length, breadth = human.sole_half_length_m, human.sole_half_breadth_m
+        self._cone = cone = wrench_cone(length, breadth, self.settings.friction_coefficient)
+        first = self._torque_rows.stop
         for i in range(len(self.contacts)):
             rows = slice(first + i * CONE_ROWS, first + (i + 1) * CONE_ROWS)
             program.A[rows, nv + i * WRENCH : nv + (i + 1) * WRENCH] = cone
@@ -109,92 +131,118 @@ class WholeBodyController:
     def step(self) -> Tick | None:
         """Solve the program for the state as it stands; None if it has no solution.
 
-        Where the limits contradict each other, the bounds of the joint accelerations give way, as little
-        as they can; all others hold.
+        Torques and contact forces are free at first: where the answer keeps their limits, it is the answer
+        of the whole program, too, since that is strictly convex. Where the limits contradict each other, the
+        bounds of the joint accelerations give way, as little as they can and never by more than
+        MOST_EASED_RADPS2; all others hold.
         """
-        self._fill_constraints()
-        self._fill_objective()
-        solution = solve_either(self.program)
-        eased: Vector = np.zeros(self.nj)
-        if solution is None:
-            relaxed = self._ease(accelerations_only=True)
-            if relaxed is None:
-                return None
-            solution, eased = relaxed.solution, relaxed.slack
-        acceleration, wrench = solution[: self.nv].copy(), solution[self.nv :].copy()
-        torque = self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:]
-        return Tick(acceleration, wrench, torque, eased)
+        self._fill_free_program()
+        solution = solve_either(self.free)
+        eased = self._not_eased
+        if solution is None or not self._keeps_limits(solution):
+            self.fill_whole_program()
+            solution = solve_either(self.program)
+            if solution is None:
+                relaxed = self._ease(LimitKind.JOINT)
+                if relaxed is None or np.abs(relaxed.slack).max() > MOST_EASED_RADPS2:
+                    return None
+                solution, eased = relaxed.solution, relaxed.slack
+        return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), self._torque(solution), eased)
+
+    def _torque(self, solution: Vector) -> Vector:
+        return np.asarray(self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:])
+
+    def _keeps_limits(self, solution: Vector) -> bool:
+        """Whether torques and contact forces are inside their limits."""
+        torque = self._torque(solution)
+        wrenches = solution[self.nv :].reshape(-1, WRENCH)
+        return bool(
+            (torque <= self._highest_torque).all()
+            and (torque >= self._lowest_torque).all()
+            and (wrenches @ self._cone.T <= 0).all()
+        )
 
     def obstacle(self) -> Obstacle | None:
-        """After a step without solution: which limit would have to give way most, were all of them elastic."""
-        relaxed = self._ease(accelerations_only=False)
+        """After a step without solution: the limit whose giving way, the least of all kinds, would allow one."""
+        obstacles = [obstacle for kind in LimitKind for obstacle in [self._obstacle(kind)] if obstacle is not None]
+        return min(obstacles, key=lambda obstacle: obstacle.share, default=None)
+
+    def _obstacle(self, kind: LimitKind) -> Obstacle | None:
+        """How far the limits of one kind would have to give way, if they alone were elastic; None if no help."""
+        relaxed = self._ease(kind)
         if relaxed is None:
             return None
-        share = np.abs(relaxed.slack) / self._slack_scale
+        share = np.abs(relaxed.slack) / self._scale[kind]
         worst = int(share.argmax())
-        if worst < self.nj:
-            amount = f"{abs(relaxed.slack[worst]):.0f} rad/s^2"
-            return Obstacle("joint range", DEGREES_OF_FREEDOM[worst], amount)
-        if worst < 2 * self.nj:
-            joint = worst - self.nj
-            limit = (self._highest_torque if relaxed.slack[worst] > 0 else -self._lowest_torque)[joint]
-            needed = limit + abs(relaxed.slack[worst])
-            return Obstacle("torque", DEGREES_OF_FREEDOM[joint], f"{needed:.1f} N.m needed, {limit:.1f} N.m allowed")
-        side = SIDES[(worst - 2 * self.nj) // CONE_ROWS]
-        return Obstacle("foot contact", f"{side} foot", "it would lift, tip or slip")
+        excess = abs(relaxed.slack[worst])
+        match kind:
+            case LimitKind.JOINT:
+                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
+            case LimitKind.TORQUE:
+                limit = (self._highest_torque if relaxed.slack[worst] > 0 else -self._lowest_torque)[worst]
+                place = DEGREES_OF_FREEDOM[worst]
+                amount = f"{limit + excess:.1f} N.m needed, {limit:.1f} N.m allowed"
+            case LimitKind.CONTACT:
+                place, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
+        return Obstacle(kind, place, amount, float(share[worst]))
 
-    def _ease(self, accelerations_only: bool) -> Eased | None:
-        first = BASE_DOF + WRENCH * len(self.contacts)
-        rows = np.arange(first, first if accelerations_only else len(self.program.A))
-        bounds = np.arange(BASE_DOF, self.nv)
-        return solve_elastic(self.program, bounds, rows, self._slack_scale[: len(bounds) + len(rows)])
+    def _ease(self, kind: LimitKind) -> Eased | None:
+        torque, cone = self._torque_rows.start, self._torque_rows.stop
+        bounds = np.arange(BASE_DOF, self.nv) if kind is LimitKind.JOINT else np.arange(0)
+        rows = {
+            LimitKind.JOINT: np.arange(0),
+            LimitKind.TORQUE: np.arange(torque, cone),
+            LimitKind.CONTACT: np.arange(cone, len(self.program.A)),
+        }[kind]
+        return solve_elastic(self.program, bounds, rows, self._scale[kind])
 
     def weigh(self, task: int, share: float) -> None:
         """Give a task (by its place in the list) a share of its weight."""
         self._task_weight[self._task_rows[task]] = share * self.tasks[task].weight
 
-    def _fill_constraints(self) -> None:
-        state, program, nv = self.state, self.program, self.nv
-        mass, bias, jacobian = state.mass_matrix, state.nonlinear_effects, self._contact_jacobian
-        torques = slice(BASE_DOF + len(jacobian), BASE_DOF + len(jacobian) + self.nj)
-        for i, contact in enumerate(self.contacts):
-            rows = slice(i * WRENCH, (i + 1) * WRENCH)
-            jacobian[rows] = state.local_jacobian(contact.frame)
-            required = contact.required_acceleration(state)
-            program.row_lower[BASE_DOF:][rows] = required
-            program.row_upper[BASE_DOF:][rows] = required
-        program.A[:BASE_DOF, :nv] = mass[:BASE_DOF]
-        program.A[:BASE_DOF, nv:] = -jacobian[:, :BASE_DOF].T
-        program.row_lower[:BASE_DOF] = program.row_upper[:BASE_DOF] = -bias[:BASE_DOF]
-        program.A[BASE_DOF : BASE_DOF + len(jacobian), :nv] = jacobian
-        self._torque_map[:, :nv] = mass[BASE_DOF:]
-        self._torque_map[:, nv:] = -jacobian[:, BASE_DOF:].T
-        program.A[torques] = self._torque_map
-        program.row_lower[torques] = self._lowest_torque - bias[BASE_DOF:]
-        program.row_upper[torques] = self._highest_torque - bias[BASE_DOF:]
-        program.lower[BASE_DOF:nv], program.upper[BASE_DOF:nv] = acceleration_bounds(
-            state.configuration[7:],
-            state.velocity[BASE_DOF:],
+    def _fill_limits(self) -> None:
+        acceleration_bounds(
+            self.state.configuration[7:],
+            self.state.velocity[BASE_DOF:],
             self._lower,
             self._upper,
             self.settings.velocity_limit_radps,
             self.settings.acceleration_limit_radps2,
             2 * self.settings.time_step_s,
+            self.free.lower[BASE_DOF : self.nv],
+            self.free.upper[BASE_DOF : self.nv],
         )
 
-    def _fill_objective(self) -> None:
-        """H = J'WJ + regularisation, g = -J'W target, over the tasks' stacked rows."""
-        program, nv, jacobian = self.program, self.nv, self._task_jacobian
+    def _fill_rows(self) -> None:
+        """The rows of the tasks and of the contacts, and the map from (a, w) to torques, T = [M_a, -J_a']."""
+        state, jacobian = self.state, self._contact_jacobian
+        for i, contact in enumerate(self.contacts):
+            rows = slice(i * WRENCH, (i + 1) * WRENCH)
+            own = state.local_jacobian(contact.frame)
+            jacobian[rows] = own
+            self._required[rows] = contact.required_acceleration(state, own)
         for task, rows in zip(self.tasks, self._task_rows, strict=True):
-            task.evaluate(self.state, jacobian[rows], self._task_target[rows])
-        self.posture.evaluate(self.state, jacobian[:0], self._posture_target)
-        weighted = (jacobian * self._task_weight[:, None]).T
-        scaled = self._torque_map.T * self._torque_scale
-        program.H[:] = scaled @ self._torque_map
-        program.g[:] = scaled @ self.state.nonlinear_effects[BASE_DOF:]
-        program.H[:nv, :nv] += weighted @ jacobian
-        program.g[:nv] -= weighted @ self._task_target
-        diagonal = np.einsum("ii->i", program.H)
-        diagonal[BASE_DOF:nv] += self.posture.weight
-        diagonal[nv:] += self._wrench_scale
-        program.g[BASE_DOF:nv] -= self.posture.weight * self._posture_target
+            task.evaluate(state, self._task_jacobian[rows], self._task_target[rows])
+        self.posture.evaluate(state, self._task_jacobian[:0], self._posture_target)
+
+    def _fill_free_program(self) -> None:
+        self._fill_limits()
+        self._fill_rows()
+        free, state = self.free, self.state
+        assemble(
+            free.H, free.g, free.A, free.row_lower, free.row_upper, self._torque_map,
+            state.mass_matrix, state.nonlinear_effects, self._contact_jacobian, self._required,
+            self._task_jacobian, self._task_target, self._task_weight,
+            self.posture.weight, self._posture_target, self._torque_scale, self._wrench_scale,
+        )  # fmt: skip
+
+    def fill_whole_program(self) -> None:
+        """Write the program with all its rows for the state of the last step."""
+        free, whole, torques = self.free, self.program, self._torque_rows
+        whole.H[:], whole.g[:], whole.lower[:], whole.upper[:] = free.H, free.g, free.lower, free.upper
+        equalities = len(free.A)
+        whole.A[:equalities] = free.A
+        whole.row_lower[:equalities], whole.row_upper[:equalities] = free.row_lower, free.row_upper
+        whole.A[torques] = self._torque_map
+        bias = self.state.nonlinear_effects[BASE_DOF:]
+        whole.row_lower[torques], whole.row_upper[torques] = self._lowest_torque - bias, self._highest_torque - bias

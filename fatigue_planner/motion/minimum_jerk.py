@@ -1,6 +1,7 @@
 """Minimum-jerk motion of a pose (Flash & Hogan 1985), with its velocity and acceleration."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
@@ -20,25 +21,33 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class MovingPose:
-    """A pose with its velocity and acceleration, each (6,): linear, then angular part, world axes."""
+class Trajectory:
+    """A pose over T moments: position (T, 3), rotation (T, 3, 3); velocity and acceleration (T, 6), each linear,
+    then angular part, world axes.
+    """
 
-    pose: Pose
-    velocity: Vector
-    acceleration: Vector
+    position_m: Matrix
+    rotation: Matrix
+    velocity: Matrix
+    acceleration: Matrix
 
     @classmethod
     def at_rest(cls, pose: Pose) -> Self:
-        """A pose that does not move."""
-        return cls(pose, np.zeros(6), np.zeros(6))
+        """A pose that does not move, for one moment."""
+        return cls(pose.position_m[None], pose.rotation[None], np.zeros((1, 6)), np.zeros((1, 6)))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Trajectories one after the other."""
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
 
-def minimum_jerk(fraction: float) -> tuple[float, float, float]:
-    """Path share s and its first and second derivatives after a fraction of the duration.
+def minimum_jerk(fraction: Vector) -> tuple[Vector, Vector, Vector]:
+    """Path share s (T,) and its first and second derivatives after fractions (T,) of the duration.
 
     s(x) = 10 x^3 - 15 x^4 + 6 x^5 for 0 <= x <= 1, held outside (derivatives with respect to x).
     """
-    x = min(max(fraction, 0.0), 1.0)
+    x = np.clip(fraction, 0.0, 1.0)
     return (
         x**3 * (10 - 15 * x + 6 * x**2),
         30 * x**2 * (1 - x) ** 2,
@@ -54,13 +63,26 @@ class Reach:
     end: Pose
     duration_s: float
 
-    def at(self, time_s: float) -> MovingPose:
-        """The reference at a time since the start of the motion."""
-        share, rate, curvature = minimum_jerk(time_s / self.duration_s)
-        rate /= self.duration_s
-        curvature /= self.duration_s**2
+    def at(self, times_s: Vector) -> Trajectory:
+        """The reference at times (T,) since the start of the motion; held at its end after it.
+
+        Rodrigues' formula turns the start by s times the angle about the axis of the whole turn.
+        """
+        share, rate, curvature = minimum_jerk(times_s / self.duration_s)
+        rate, curvature = rate / self.duration_s, curvature / self.duration_s**2
         path = self.end.position_m - self.start.position_m
-        turn = pin.log3(self.start.rotation.T @ self.end.rotation)
-        whole = np.concatenate([path, self.start.rotation @ turn])
-        pose = Pose(self.start.position_m + share * path, self.start.rotation @ pin.exp3(share * turn))
-        return MovingPose(pose, rate * whole, curvature * whole)
+        turn = pin.log3(self.end.rotation @ self.start.rotation.T)
+        angle = float(np.linalg.norm(turn))
+        cross = pin.skew(turn / angle) if angle > 0 else np.zeros((3, 3))
+        turned = (
+            np.eye(3)
+            + np.sin(share * angle)[:, None, None] * cross
+            + (1 - np.cos(share * angle))[:, None, None] * (cross @ cross)
+        )
+        whole = np.concatenate([path, turn])
+        return Trajectory(
+            self.start.position_m + share[:, None] * path,
+            turned @ self.start.rotation,
+            rate[:, None] * whole,
+            curvature[:, None] * whole,
+        )

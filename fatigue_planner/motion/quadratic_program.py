@@ -1,13 +1,14 @@
 """A convex quadratic program of fixed size, solved again and again without copying."""
 
 import io
-import math
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from fatigue_planner.compiled import compiled
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -65,15 +66,13 @@ class QuadraticProgram:
     def solve(self) -> Vector | None:
         """The minimiser (n,); None if the data are not finite or the answer is not proved optimal.
 
-        A solver's word is not taken for it: the optimality conditions are checked (see `optimality`).
+        A solver's word is not taken for it, nor asked: the optimality conditions are checked.
         """
-        if not self._finite():
+        if not _finite(self._arrays["h"], self._arrays["a"], self.g, self._lower, self._upper):
             return None
         with self._quiet():
             self._evaluate()
-        if not self._buffer.stats()["success"] or not self.optimality() <= OPTIMALITY:
-            return None
-        return self._solution
+        return self._solution if self.optimality() <= OPTIMALITY else None
 
     def optimality(self) -> float:
         """How far the last answer is from optimal: the sum of three residuals, NaN if it is not finite.
@@ -81,17 +80,7 @@ class QuadraticProgram:
         Violation of a constraint (in its own unit); stationarity |Hx + g + A'lambda + mu|, relative to
         the gradient's scale max(1, |g|); complementarity |multiplier x distance from its bound|.
         """
-        x, multipliers = self._solution, self._multipliers
-        values = np.concatenate([self.A @ x, x])
-        below, above = self._upper - values, values - self._lower
-        violation = -min(below.min(), above.min())
-        rows = self.A.shape[0]
-        gradient = self.H @ x + self.g + multipliers[:rows] @ self.A + multipliers[rows:]
-        stationarity = np.abs(gradient).max() / max(1.0, np.abs(self.g).max())
-        held = multipliers.nonzero()[0]
-        gaps = np.where(multipliers[held] > 0, below[held], above[held])
-        complementarity = np.abs(multipliers[held] * gaps).max(initial=0.0)
-        return float(violation + stationarity + complementarity)
+        return float(_optimality(self.H, self.A, self.g, self._lower, self._upper, self._solution, self._multipliers))
 
     def _quiet(self) -> AbstractContextManager[object]:
         """Swallow the banner of qpOASES, which no option removes."""
@@ -102,11 +91,38 @@ class QuadraticProgram:
         for name, values in other._arrays.items():
             self._arrays[name][:] = values
 
-    def _finite(self) -> bool:
-        """Whether H, A and g are finite and no bound is NaN; one sum or extremum finds what all() would."""
-        finite = float(self._arrays["h"].sum() + self._arrays["a"].sum() + self.g.sum())
-        bounds = (self.row_lower, self.row_upper, self.lower, self.upper)
-        return math.isfinite(finite) and not any(math.isnan(bound.max()) for bound in bounds)
+
+@compiled
+def _finite(hessian: Vector, rows: Vector, gradient: Vector, lower: Vector, upper: Vector) -> bool:
+    """Whether hessian, rows and gradient are finite and no bound is NaN."""
+    good = True
+    for data in (hessian, rows, gradient):
+        for value in data:
+            good &= abs(value) < np.inf
+    for bounds in (lower, upper):
+        for value in bounds:
+            good &= not np.isnan(value)
+    return good
+
+
+@compiled
+def _optimality(H: Matrix, A: Matrix, g: Vector, lower: Vector, upper: Vector, x: Vector, multipliers: Vector) -> float:
+    """See QuadraticProgram.optimality; bounds and multipliers of the rows, then of the variables."""
+    m = len(A)
+    values = np.concatenate((A @ x, x))
+    gradient = H @ x + g + A.T @ multipliers[:m] + multipliers[m:]
+    violation, complementarity = 0.0, 0.0
+    for i in range(len(values)):
+        below, above = upper[i] - values[i], values[i] - lower[i]
+        if not (below >= -violation and above >= -violation):
+            violation = -min(below, above)
+        if multipliers[i] != 0:
+            missed = abs(multipliers[i] * (below if multipliers[i] > 0 else above))
+            if not missed <= complementarity:
+                complementarity = missed
+    stationarity = np.abs(gradient).max() / max(1.0, np.abs(g).max())
+    total: float = violation + stationarity + complementarity
+    return total
 
 
 def solve_either(program: QuadraticProgram) -> Vector | None:

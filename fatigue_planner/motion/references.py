@@ -1,26 +1,31 @@
-"""Where a hand should be at every moment of the cycle."""
+"""Where a hand should be at every tick of the cycle."""
 
-from bisect import bisect_right
+import numpy as np
 
 from fatigue_planner.motion.action import HandGoal
-from fatigue_planner.motion.minimum_jerk import MovingPose, Pose, Reach
+from fatigue_planner.motion.minimum_jerk import Pose, Reach, Trajectory
 from fatigue_planner.motion.motion import Phase
 
 
-class HandReference:
-    """From home to the first waypoint, along the waypoints, and home again: minimum jerk, from rest to rest."""
+def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float) -> Trajectory:
+    """From home to the first waypoint, along the waypoints, and home again: minimum jerk, from rest to rest.
 
-    def __init__(self, home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float) -> None:
-        reach, work, back = phases
-        poses = [home, *(waypoint.pose(home) for waypoint in goal.path())]
-        begin = work.start * time_step_s
-        arrivals = [begin + waypoint.work_time_s for waypoint in goal.path()]
-        self._starts = [reach.start * time_step_s, *arrivals[:-1], back.start * time_step_s]
-        ends = [*arrivals, back.stop * time_step_s]
-        legs = zip(self._starts, ends, poses, [*poses[1:], home], strict=True)
-        self._legs = [Reach(start, end, stop - begin_s) for begin_s, stop, start, end in legs]
-
-    def at(self, time_s: float) -> MovingPose:
-        """The reference at a time since the beginning of the cycle; a waypoint is held until the next leg."""
-        leg = bisect_right(self._starts, time_s) - 1
-        return self._legs[leg].at(time_s - self._starts[leg])
+    A waypoint is held until the next leg begins; the last one until the work is over.
+    """
+    reach, work, back = phases
+    path = goal.path()
+    poses = [home, *(waypoint.pose(home) for waypoint in path), home]
+    begin_s = work.start * time_step_s
+    arrivals = [begin_s + waypoint.work_time_s for waypoint in path]
+    starts = [reach.start * time_step_s, *arrivals[:-1], back.start * time_step_s]
+    ends = [*arrivals, back.stop * time_step_s]
+    # the ticks of a leg: those from its beginning to that of the next one
+    bounds = [round(start / time_step_s) for start in starts] + [back.stop]
+    return Trajectory.joined(
+        [
+            Reach(poses[leg], poses[leg + 1], ends[leg] - starts[leg]).at(
+                np.arange(bounds[leg], bounds[leg + 1]) * np.float64(time_step_s) - starts[leg]
+            )
+            for leg in range(len(starts))
+        ]
+    )

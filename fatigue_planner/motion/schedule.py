@@ -85,8 +85,8 @@ def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step
     for phase in phases:
         active = phase.name in during
         if active != before:
-            ticks = np.arange(phase.stop - phase.start)
-            rise = np.array([minimum_jerk(tick * time_step_s / SWITCH_S)[0] for tick in ticks])
+            times: Vector = np.arange(phase.stop - phase.start) * np.float64(time_step_s)
+            rise = minimum_jerk(times / SWITCH_S)[0]
             share[phase.start : phase.stop] = rise if active else 1 - rise
         before = active
     return share

@@ -12,10 +12,10 @@ from fatigue_planner.human.model import Human, Tool, Worker, build_human
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
-from fatigue_planner.motion.controller import WholeBodyController
-from fatigue_planner.motion.minimum_jerk import MovingPose, Pose
+from fatigue_planner.motion.controller import LimitKind, WholeBodyController
+from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.motion import Motion
-from fatigue_planner.motion.references import HandReference
+from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of, share_of
 from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
@@ -54,11 +54,11 @@ class _Body:
         self.hands: dict[Side, HandTask] = {
             side: HandTask(
                 weights.hand, stiffness.hand, self.grips[side], slice(6 if goal.turned() else 3),
-                MovingPose.at_rest(self.fist(side)),
+                Trajectory.at_rest(self.fist(side)),
             )
             for side, goal in request.action.goals().items()
         }  # fmt: skip
-        x, y, _ = (float(value) for value in state.data.com[0])
+        x, y, _ = (float(value) for value in state.centre_of_mass().position_m)
         balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
         posture = PostureTask(weights.posture, stiffness.posture, self.human.stance[7:])
         preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
@@ -86,16 +86,19 @@ class Simulator:
         self.forces = forces_of(request.action, self.ticks, dt)
         shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
-        self.body = _Body(request, self.runs[0])
+        home = _Body(request, self.runs[0])
         self.references = {
-            side: HandReference(self.body.fist(side), goal, self.phases, dt)
+            side: hand_reference(home.fist(side), goal, self.phases, dt)
             for side, goal in request.action.goals().items()
         }
+        self.take_up(self.runs[0])
         self.configuration, self.velocity = self.body.human.stance.copy(), np.zeros(self.body.human.model.nv)
 
     def take_up(self, run: Run) -> None:
         """Change the masses in the hands."""
         self.body = _Body(self.request, run)
+        for side, task in self.body.hands.items():
+            task.reference = self.references[side]
 
     def prepare(self, tick: int) -> Vector:
         """Evaluate the body, its references and the forces at a tick; returns the forces on the fists (6,)."""
@@ -107,8 +110,8 @@ class Simulator:
             force = turn @ planned.force_n[tick]
             body.state.push(body.grips[planned.hand], force)
             pushed[3 * SIDES.index(planned.hand) :][:3] += force
-        for side, reference in self.references.items():
-            body.hands[side].reference = reference.at(tick * self.time_step_s)
+        for task in body.hands.values():
+            task.moment = tick
         for place, share in self._switched:
             body.controller.weigh(body.first_preferred + place, share[tick])
         return pushed
@@ -120,12 +123,10 @@ class Simulator:
             self.body.human.model, self.configuration, self.time_step_s * self.velocity
         )  # fmt: skip
 
-    def hand_error_m(self) -> float:
-        """How far a fist is from its reference, the larger of both."""
-        return max(
-            float(np.linalg.norm(self.body.fist(side).position_m - task.reference.pose.position_m))
-            for side, task in self.body.hands.items()
-        )
+    def fists(self) -> Vector:
+        """Where the fists with a goal are, (3 per hand,) m."""
+        state, grips = self.body.state, self.body.grips
+        return np.concatenate([state.placement(grips[side]).translation for side in self.references])
 
     def failure(self, tick: int) -> FailedMotionError:
         """Why there is no movement at this tick, with advice."""
@@ -134,16 +135,16 @@ class Simulator:
         obstacle = self.body.controller.obstacle()
         if obstacle is None:
             return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
-        reason = f"{where}: {obstacle.kind} of {obstacle.place} ({obstacle.amount})"
+        reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
         if self._moves_unloaded(tick):
             return FailedMotionError(
                 f"{reason}. The load in the hands is too heavy for this worker and posture: with empty hands there "
                 "would be a movement. Make the tool or the load lighter, or let the hands work closer to the body."
             )
         advice = {
-            "torque": "A stronger worker, a closer object or a longer phase helps.",
-            "joint range": "Bring the object closer or turn it, or make the phase longer.",
-            "foot contact": "The body would lose its balance: bring the object closer or make the forces smaller.",
+            LimitKind.TORQUE: "A stronger worker, a closer object or a longer phase helps.",
+            LimitKind.JOINT: "Bring the object closer or turn it, or make the phase longer.",
+            LimitKind.CONTACT: "The body would lose its balance: bring the object closer or make the forces smaller.",
         }[obstacle.kind]
         return FailedMotionError(f"{reason}. {advice}")
 
@@ -170,7 +171,7 @@ def simulate(request: MotionRequest) -> Motion:
         "hand_force_n": 6, "eased_radps2": nv - 6,
     }  # fmt: skip
     record = {name: np.empty((simulator.ticks, width)) for name, width in widths.items()}
-    hand_error = np.empty(simulator.ticks)
+    fists = np.empty((simulator.ticks, 3 * len(simulator.references)))
     for run in simulator.runs:
         if run.start > 0:
             simulator.take_up(run)
@@ -183,6 +184,8 @@ def simulate(request: MotionRequest) -> Motion:
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force
             record["eased_radps2"][tick] = result.eased_radps2
-            hand_error[tick] = simulator.hand_error_m()
+            fists[tick] = simulator.fists()
             simulator.advance(result.acceleration)
-    return Motion(time_step_s=simulator.time_step_s, phases=simulator.phases, hand_error_m=hand_error, **record)
+    wanted = np.concatenate([reference.position_m for reference in simulator.references.values()], axis=1)
+    errors = np.linalg.norm((fists - wanted).reshape(simulator.ticks, -1, 3), axis=2)
+    return Motion(time_step_s=simulator.time_step_s, phases=simulator.phases, hand_error_m=errors.max(axis=1), **record)

@@ -13,7 +13,7 @@ from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
-from fatigue_planner.motion.references import HandReference
+from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.schedule import forces_of, phases_of, runs_of
 from fatigue_planner.motion.simulator import MotionRequest
@@ -80,16 +80,16 @@ def _hand_errors(request: MotionRequest, motion: Motion, fists: list[tuple[pin.S
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, human.stance)
     distance = turn = 0.0
+    work = motion.phase("work")
     for side, goal in request.action.goals().items():
         grip = data.oMf[human.model.getFrameId(f"{side}_grip")]
-        reference = HandReference(Pose(grip.translation, grip.rotation), goal, motion.phases, motion.time_step_s)
-        work = motion.phase("work")
+        wanted = hand_reference(Pose(grip.translation, grip.rotation), goal, motion.phases, motion.time_step_s)
         for tick in range(work.start, work.stop):
-            fist, wanted = fists[tick][SIDES.index(side)], reference.at(tick * motion.time_step_s).pose
+            fist = fists[tick][SIDES.index(side)]
             # a NaN must win: max() would lose it
-            distance = np.maximum(distance, np.linalg.norm(fist.translation - wanted.position_m))
+            distance = np.maximum(distance, np.linalg.norm(fist.translation - wanted.position_m[tick]))
             if goal.turned():
-                turn = np.maximum(turn, np.linalg.norm(pin.log3(wanted.rotation @ fist.rotation.T)))
+                turn = np.maximum(turn, np.linalg.norm(pin.log3(wanted.rotation[tick] @ fist.rotation.T)))
     return _HandErrors(float(distance), float(turn))
 
 

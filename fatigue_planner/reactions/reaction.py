@@ -14,7 +14,7 @@ from fatigue_planner.motion.simulator import MotionRequest
 
 # What produces the numbers of a motion besides its settings.
 SOURCES = ("human", "motion")
-NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy")
+NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba")
 
 
 class ReactionName(NamedTuple):

@@ -18,10 +18,10 @@ class CentreOfMassTask(Task):
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
-        data, axes = state.data, self.axes
-        jacobian[:] = data.Jcom[axes]
-        error = self.reference_m - data.com[0][axes]
-        target[:] = self.stiffness * error - self.damping * data.vcom[0][axes] - data.acom[0][axes]
+        centre, axes = state.centre_of_mass(), self.axes
+        jacobian[:] = centre.jacobian[axes]
+        error = self.reference_m - centre.position_m[axes]
+        target[:] = self.stiffness * error - self.damping * centre.velocity[axes] - centre.drift[axes]
 
 
 class CentreOfMass(PreferenceTask):

@@ -6,35 +6,51 @@ import numpy as np
 import pinocchio as pin
 from pydantic import model_validator
 
+from fatigue_planner.compiled import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.action import Orientation, Position
 from fatigue_planner.motion.body_state import BodyState
-from fatigue_planner.motion.minimum_jerk import MovingPose, Pose
+from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.settings import Side, Stiffnesses
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
 
 
 class HandTask(Task):
-    """Follow a moving pose with a fist: its position, its orientation, or both."""
+    """Follow a trajectory with a fist: its position, its orientation, or both.
 
-    def __init__(self, weight: float, stiffness: float, frame: int, parts: slice, reference: MovingPose) -> None:
+    `moment` is the row of the trajectory that is the present reference.
+    """
+
+    def __init__(self, weight: float, stiffness: float, frame: int, parts: slice, reference: Trajectory) -> None:
         super().__init__(len(range(6)[parts]), weight, stiffness)
         self.frame = frame
         self.parts = parts
         self.reference = reference
+        self.moment = 0
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
-        placement, twist, reference = state.placement(self.frame), state.twist(self.frame), self.reference
-        jacobian[:] = state.jacobian(self.frame)[self.parts]
-        error = np.concatenate(
-            [
-                reference.pose.position_m - placement.translation,
-                pin.log3(reference.pose.rotation @ placement.rotation.T),
-            ]
-        )
-        desired = reference.acceleration + self.damping * (reference.velocity - twist) + self.stiffness * error
-        target[:] = (desired - state.drift(self.frame))[self.parts]
+        placement, whole = state.placement(self.frame), state.jacobian(self.frame)
+        reference, moment = self.reference, self.moment
+        error = np.empty(6)
+        error[:3] = reference.position_m[moment] - placement.translation
+        error[3:] = pin.log3(reference.rotation[moment] @ placement.rotation.T)
+        jacobian[:] = whole[self.parts]
+        desired = _desired(
+            whole, state.velocity, state.drift(self.frame), error,
+            reference.velocity[moment], reference.acceleration[moment], self.stiffness, self.damping,
+        )  # fmt: skip
+        target[:] = desired[self.parts]
+
+
+@compiled
+def _desired(
+    jacobian: Matrix, velocity: Vector, drift: Vector, error: Vector, wanted_velocity: Vector,
+    wanted_acceleration: Vector, stiffness: float, damping: float,
+) -> Vector:  # fmt: skip
+    """desired - drift (6,) of a frame with a moving reference."""
+    twist = jacobian @ velocity
+    return wanted_acceleration + damping * (wanted_velocity - twist) + stiffness * error - drift
 
 
 class Hand(PreferenceTask):
@@ -58,4 +74,4 @@ class Hand(PreferenceTask):
         parts = slice(0 if place else 3, 6 if turn else 3)
         pose = Pose(position, turn.rotation() if turn else np.eye(3))
         frame = state.frame(f"{self.hand}_grip")
-        return HandTask(self.weight, stiffness.hand, frame, parts, MovingPose.at_rest(pose))
+        return HandTask(self.weight, stiffness.hand, frame, parts, Trajectory.at_rest(pose))

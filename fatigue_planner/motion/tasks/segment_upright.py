@@ -4,12 +4,11 @@ from typing import Literal
 
 import numpy as np
 
+from fatigue_planner.compiled import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Segment, Stiffnesses
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
-
-_IDENTITY: Matrix = np.eye(3)
 
 
 class SegmentUprightTask(Task):
@@ -26,11 +25,24 @@ class SegmentUprightTask(Task):
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
         axis = state.placement(self.frame).rotation[:, 2]
-        across = _IDENTITY - axis[:, None] * axis
-        error = np.array([axis[1], -axis[0], 0.0])  # axis x up
-        desired = self.stiffness * error - self.damping * state.twist(self.frame)[3:]
-        jacobian[:] = across @ state.jacobian(self.frame)[3:]
-        target[:] = across @ (desired - state.drift(self.frame)[3:])
+        whole, drift = state.jacobian(self.frame), state.drift(self.frame)
+        _write_rows(axis, whole, state.velocity, drift, self.stiffness, self.damping, jacobian, target)
+
+
+@compiled
+def _write_rows(
+    axis: Vector, whole: Matrix, velocity: Vector, drift: Vector, stiffness: float, damping: float,
+    jacobian: Matrix, target: Vector,
+) -> None:  # fmt: skip
+    """Write the rows of the task from the segment's axis (3,), Jacobian (6, 45) and drift (6,)."""
+    error = np.array([axis[1], -axis[0], 0.0])  # axis x up
+    missing = stiffness * error - damping * (whole @ velocity)[3:] - drift[3:]
+    along = axis[0] * missing[0] + axis[1] * missing[1] + axis[2] * missing[2]
+    target[:] = missing - axis * along
+    for j in range(whole.shape[1]):
+        about = axis[0] * whole[3, j] + axis[1] * whole[4, j] + axis[2] * whole[5, j]
+        for i in range(3):
+            jacobian[i, j] = whole[3 + i, j] - axis[i] * about
 
 
 class SegmentUpright(PreferenceTask):

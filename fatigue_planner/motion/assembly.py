@@ -1,0 +1,69 @@
+"""Writing the quadratic program of a tick: plain sums of products, compiled."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import compiled
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+_BASE = 6  # degrees of freedom of the pelvis
+
+
+@compiled
+def assemble(
+    H: Matrix,
+    g: Vector,
+    A: Matrix,
+    row_lower: Vector,
+    row_upper: Vector,
+    torque_map: Matrix,
+    mass: Matrix,
+    bias: Vector,
+    contact_jacobian: Matrix,
+    required: Vector,
+    task_jacobian: Matrix,
+    task_target: Vector,
+    task_weight: Vector,
+    posture_weight: float,
+    posture_target: Vector,
+    torque_scale: Vector,
+    wrench_scale: Vector,
+) -> None:
+    """Write objective and equalities of the program in (a, w), (n,), n = 45 + 12, and its torque map T (39, n).
+
+    tau = T (a, w) + bias_a with T = [M_a, -J_a'];
+    H = J' W J + T' S T + posture weight on joint accelerations + wrench scale on wrenches,
+    g = -J' W target + T' S bias_a - posture weight x posture target;
+    rows: M_b a - J_b' w = -bias_b (6) and J a = required (12), with b the pelvis' and a the joints' part.
+    """
+    nv, wrenches = len(mass), len(contact_jacobian)
+    joints = nv - _BASE
+    torque_map[:, :nv] = mass[_BASE:]
+    A[:_BASE, :nv] = mass[:_BASE]
+    A[_BASE:, :nv] = contact_jacobian
+    for i in range(wrenches):
+        for j in range(_BASE):
+            A[j, nv + i] = -contact_jacobian[i, j]
+        for j in range(joints):
+            torque_map[j, nv + i] = -contact_jacobian[i, _BASE + j]
+    for i in range(_BASE):
+        row_lower[i] = row_upper[i] = -bias[i]
+    row_lower[_BASE:] = required
+    row_upper[_BASE:] = required
+    scaled = np.empty_like(torque_map)
+    for j in range(joints):
+        scaled[j] = torque_scale[j] * torque_map[j]
+    H[:] = torque_map.T @ scaled
+    g[:] = bias[_BASE:] @ scaled
+    weighted = np.empty_like(task_jacobian)
+    for row in range(len(task_jacobian)):
+        weighted[row] = task_weight[row] * task_jacobian[row]
+    H[:nv, :nv] += task_jacobian.T @ weighted
+    g[:nv] -= task_target @ weighted
+    for j in range(joints):
+        H[_BASE + j, _BASE + j] += posture_weight
+        g[_BASE + j] -= posture_weight * posture_target[j]
+    for i in range(wrenches):
+        H[nv + i, nv + i] += wrench_scale[i]
