@@ -188,7 +188,7 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     state = BodyState(human)
     state.update(human.stance, np.zeros(45))
     weights, stiffness = paper.controller.weights, paper.controller.stiffness_per_s2
-    x, y, _ = state.data.com[0]
+    x, y, _ = state.centre_of_mass().position_m
     balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
     stay = PostureTask(weights.posture, stiffness.posture, human.stance[7:])
     strength = maximum_torque(paper.workers["average_man"].strength).vectors()
