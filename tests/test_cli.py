@@ -200,6 +200,16 @@ def test_unwritable_folders(cache_folder: Path, tmp_path: Path) -> None:
     assert "cannot be written" in refused(2, "human", "export", PAPER, "--output", inside)
 
 
+def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Path, tmp_path: Path) -> None:
+    page = tmp_path / "human.md"
+    done = fatplan("human", "report", PAPER, "--cache", cache_folder, "--output", page)
+    assert done.returncode == 0 and "6 values outside their band or range" in done.stdout
+    text = page.read_text()
+    assert text.startswith("# The digital human against the literature") and text.count("**OUTSIDE**") == 6
+    message = refused(2, "human", "report", PAPER, "--cache", tmp_path / "none", "--output", page)
+    assert f"Run `fatplan simulate {PAPER} --cache {tmp_path / 'none'}` first" in message
+
+
 def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
     """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
     path = tmp_path / "far.yaml"

@@ -7,9 +7,9 @@ import pytest
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
-from fatigue_planner.human.joint_data import STRENGTHS, maximum_torque, position_limits, posture
+from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
@@ -200,35 +200,13 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     assert share.max() < paper.fatigue.threshold
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in STRENGTHS.glob("*.yaml")))
-def test_strength_sets_are_complete_and_positive(name: str) -> None:
-    positive, negative = maximum_torque(name).vectors()
-    assert positive.shape == negative.shape == (39,)
-    assert (positive > 0).all() and (negative > 0).all()
-
-
-def test_women_are_not_stronger_than_men() -> None:
-    men, women = (maximum_torque(name).vectors() for name in ("average_man", "average_woman"))
-    for man, woman in zip(men, women, strict=True):
-        assert (woman <= man).all()
+def test_every_degree_of_freedom_has_a_range_of_motion() -> None:
+    assert set(ranges_of_motion()) == {without_side(name) for name in DEGREES_OF_FREEDOM}
 
 
 def test_zero_lies_in_every_range_of_motion() -> None:
     lower, upper = position_limits()
     assert (lower <= 0).all() and (upper > 0).all()
-
-
-def test_unknown_strength_set_names_those_there_are() -> None:
-    with pytest.raises(DataFileError, match="average_man, average_woman"):
-        maximum_torque("strong_man")
-
-
-def test_a_users_own_strength_file_must_be_complete(tmp_path) -> None:
-    text = (STRENGTHS / "average_man.yaml").read_text().replace("  knee_flexion:", "  kneeflexion:")
-    path = tmp_path / "mine.yaml"
-    path.write_text(text)
-    with pytest.raises(DataFileError, match=r"missing: \['knee_flexion'\], unknown: \['kneeflexion'\]"):
-        maximum_torque(str(path))
 
 
 def test_posture_refuses_unknown_joints_and_impossible_angles() -> None:

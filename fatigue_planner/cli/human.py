@@ -5,16 +5,28 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.options import DEFAULT_EXPERIMENT, ExperimentFile, choose
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    CacheFolder,
+    ExperimentFile,
+    choose,
+    command_line,
+)
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import load_reactions
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.exports.urdf import urdf_text
 from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
 from fatigue_planner.files import publish_text
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
+from fatigue_planner.reports.page import human_page
 
 Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repeatable).")]
+
+OneWorker = Annotated[str | None, typer.Option("--worker", help="The worker, if the experiment has several.")]
 
 app = typer.Typer(help="Show or export the digital human of an experiment.", no_args_is_help=True)
 
@@ -37,16 +49,39 @@ def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = Non
 def export(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
     output: Annotated[Path, typer.Option(help="The URDF file to write.")] = Path("human.urdf"),
-    worker: Annotated[str | None, typer.Option(help="The worker, if the experiment has several.")] = None,
+    worker: OneWorker = None,
     tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
     settings = load_experiment(experiment)
-    if worker is None and len(settings.workers) > 1:
-        raise SelectionError(f"--worker: is missing; choose one of {', '.join(settings.workers)}.")
-    (name,) = choose("workers", list(settings.workers), [worker] if worker else None)
-    person = settings.workers[name]
+    person = settings.workers[_one_worker(settings, worker)]
     human = build_human(person, settings.tool.mass_kg if tool else 0.0)
     strength = maximum_torque(person.strength).vectors()
     publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
     typer.echo(f"{output}: {len(human.model.names) - 2} joints, {human.mass_kg:.1f} kg")
+
+
+@app.command()
+def report(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    output: Annotated[Path, typer.Option(help="The Markdown page to write.")] = Path("docs/human.md"),
+    worker: OneWorker = None,
+    cache: CacheFolder = DEFAULT_CACHE,
+) -> None:
+    """Write a page that compares a worker and the simulated reactions with the literature."""
+    settings = load_experiment(experiment)
+    name = _one_worker(settings, worker)
+    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    own = [reaction for reaction in reactions if reaction.name.worker == name]
+    command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
+    page = human_page(settings.workers[name], settings.tool.mass_kg, settings.fatigue, own, command)
+    publish_text(output, page)
+    typer.echo(f"{output}: {page.count('**OUTSIDE**')} values outside their band or range")
+
+
+def _one_worker(settings: Experiment, wanted: str | None) -> str:
+    """The worker named, or the only one. Raises SelectionError if there are several and none is named."""
+    if wanted is None and len(settings.workers) > 1:
+        raise SelectionError(f"--worker: is missing; choose one of {', '.join(settings.workers)}.")
+    (name,) = choose("workers", list(settings.workers), [wanted] if wanted else None)
+    return name

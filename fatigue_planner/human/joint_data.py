@@ -1,20 +1,17 @@
 """Ranges of motion, strengths and natural posture: one value per degree of freedom."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
 
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.human.data_files import DATA, load_data
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
+from fatigue_planner.human.strength_sets import load_strengths
 from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
-
-STRENGTHS = DATA / "strengths"
 
 
 class Range(Settings):
@@ -26,16 +23,8 @@ class Range(Settings):
     source: str
 
 
-class Strength(Settings):
-    """Maximum isometric torque of a degree of freedom in both directions, in N.m."""
-
-    positive: float = Field(gt=0)
-    negative: float = Field(gt=0)
-    source: str
-
-
 class MaximumTorque(Settings):
-    """Maximum torques of all degrees of freedom in both directions, each (39,) N.m."""
+    """Maximum torques of all degrees of freedom in both directions, each (39,) N.m, all > 0."""
 
     positive_nm: tuple[float, ...]
     negative_nm: tuple[float, ...]
@@ -45,50 +34,25 @@ class MaximumTorque(Settings):
         return np.array(self.positive_nm), np.array(self.negative_nm)
 
 
-class StrengthTable(Settings):
-    """Content of a file of data/strengths."""
-
-    population: str
-    degrees_of_freedom: dict[str, Strength]
-
-
-def _complete(path: Path, names: set[str]) -> None:
-    """Raise DataFileError unless `names` are the degrees of freedom of the skeleton (one side)."""
-    needed = {without_side(name) for name in DEGREES_OF_FREEDOM}
-    if names != needed:
-        raise DataFileError(
-            f"{path}: degrees of freedom missing: {sorted(needed - names) or 'none'}, "
-            f"unknown: {sorted(names - needed) or 'none'}"
-        )
+@cache
+def ranges_of_motion() -> dict[str, Range]:
+    """Range of motion of every degree of freedom of one side, by name, from data/ranges_of_motion.yaml."""
+    return load_data(DATA / "ranges_of_motion.yaml", dict[str, Range])
 
 
 @cache
 def position_limits() -> tuple[Vector, Vector]:
-    """Lower and upper joint limits, each (39,) rad, from data/ranges_of_motion.yaml."""
-    path = DATA / "ranges_of_motion.yaml"
-    ranges = load_data(path, dict[str, Range])
-    _complete(path, set(ranges))
-    rows = [ranges[without_side(name)] for name in DEGREES_OF_FREEDOM]
+    """Lower and upper joint limits, each (39,) rad."""
+    rows = [ranges_of_motion()[without_side(name)] for name in DEGREES_OF_FREEDOM]
     return np.radians([row.min for row in rows]), np.radians([row.max for row in rows])
 
 
-def strength_path(name: str) -> Path:
-    """The file of a strength set: one that ships with the package, by name, or a user's, by path."""
-    shipped = STRENGTHS / f"{name}.yaml"
-    return shipped if shipped.exists() else Path(name)
-
-
-def maximum_torque(name: str) -> MaximumTorque:
+def maximum_torque(strength: str) -> MaximumTorque:
     """The maximum torques of a strength set. Raises DataFileError for an unknown, unreadable or incomplete set."""
-    path = strength_path(name)
-    if not path.exists():
-        shipped = ", ".join(sorted(file.stem for file in STRENGTHS.glob("*.yaml")))
-        raise DataFileError(f"strength set {name!r}: neither one of {shipped} nor a file ({path.absolute()}).")
-    table = load_data(path, StrengthTable).degrees_of_freedom
-    _complete(path, set(table))
-    rows = [table[without_side(dof)] for dof in DEGREES_OF_FREEDOM]
+    entries = load_strengths(strength).entries
     return MaximumTorque(
-        positive_nm=tuple(row.positive for row in rows), negative_nm=tuple(row.negative for row in rows)
+        positive_nm=tuple(entries[freedom, "positive"].torque_nm for freedom in DEGREES_OF_FREEDOM),
+        negative_nm=tuple(entries[freedom, "negative"].torque_nm for freedom in DEGREES_OF_FREEDOM),
     )
 
 

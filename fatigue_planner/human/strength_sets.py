@@ -1,0 +1,127 @@
+"""Strength sets: maximum torques from files that may build on other files."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from fatigue_planner.errors import DataFileError
+from fatigue_planner.human.data_files import DATA, load_data
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
+from fatigue_planner.settings import Settings
+
+STRENGTHS = DATA / "strengths"
+
+Direction = Literal["positive", "negative"]
+Torque = Annotated[float, Field(gt=0)]
+Entry = tuple[str, Direction]
+
+
+class Strength(Settings):
+    """Maximum isometric torque of a degree of freedom, in one direction or both, in N.m."""
+
+    positive: Torque | None = None
+    negative: Torque | None = None
+    source: str
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        if self.positive is None and self.negative is None:
+            raise ValueError("neither positive nor negative is given")
+        return self
+
+
+class StrengthFile(Settings):
+    """Content of a strength file.
+
+    Without `based_on` it holds every degree of freedom in both directions. With it (the name of a set
+    that ships with the package, or a path relative to the file) it holds what differs. A name without
+    side (`elbow_flexion`) means both sides; one with its side (`right_elbow_flexion`) goes before it.
+    """
+
+    population: str
+    based_on: str | None = None
+    degrees_of_freedom: dict[str, Strength]
+
+
+@dataclass(frozen=True)
+class StrengthEntry:
+    """One entry of a strength set."""
+
+    torque_nm: float
+    source: str
+
+
+@dataclass(frozen=True)
+class StrengthSet:
+    """A complete set: an entry for both directions of all 39 degrees of freedom."""
+
+    population: str
+    based_on: str | None
+    entries: dict[Entry, StrengthEntry]
+
+
+def shipped_sets() -> tuple[str, ...]:
+    """Names of the strength sets that ship with the package, in alphabetical order."""
+    return tuple(sorted(path.stem for path in STRENGTHS.glob("*.yaml")))
+
+
+def load_strengths(name: str) -> StrengthSet:
+    """A strength set: one that ships with the package, by name, or a user's own, by path.
+
+    Raises DataFileError for a set or a degree of freedom that is unknown, an incomplete or unreadable
+    file, and files that are based on each other.
+    """
+    return _load(_find(name, Path(), "strength set"), ())
+
+
+def _find(name: str, folder: Path, what: str) -> Path:
+    """The file of a set; a path is relative to `folder`; `what` begins the message if there is none."""
+    if name in shipped_sets():
+        return STRENGTHS / f"{name}.yaml"
+    path = folder / name
+    if not path.exists():
+        shipped = ", ".join(shipped_sets())
+        raise DataFileError(f"{what} {name!r}: neither one of {shipped} nor a file ({path.absolute()}).")
+    return path
+
+
+def _load(path: Path, above: tuple[Path, ...]) -> StrengthSet:
+    """The set of a file on which the last of the files `above` is based, that one on the one before it, …."""
+    this = path.resolve()
+    if this in above:
+        circle = " -> ".join(file.name for file in (*above[above.index(this) :], this))
+        raise DataFileError(f"{path}: based_on goes round in a circle: {circle}.")
+    content = load_data(path, StrengthFile)
+    entries: dict[Entry, StrengthEntry] = {}
+    if content.based_on is not None:
+        entries |= _load(_find(content.based_on, path.parent, f"{path}: based_on"), (*above, this)).entries
+    for freedom in DEGREES_OF_FREEDOM:
+        for name in (without_side(freedom), freedom):
+            if name in content.degrees_of_freedom:
+                entries |= _entries(freedom, content.degrees_of_freedom[name])
+    _check_complete(path, content, entries)
+    return StrengthSet(content.population, content.based_on, entries)
+
+
+def _entries(freedom: str, row: Strength) -> dict[Entry, StrengthEntry]:
+    both: dict[Direction, float | None] = {"positive": row.positive, "negative": row.negative}
+    return {(freedom, way): StrengthEntry(torque, row.source) for way, torque in both.items() if torque is not None}
+
+
+def _check_complete(path: Path, content: StrengthFile, entries: dict[Entry, StrengthEntry]) -> None:
+    """Raise DataFileError if the file names what the skeleton has not, or something has no torque."""
+    unknown = content.degrees_of_freedom.keys() - {
+        name for freedom in DEGREES_OF_FREEDOM for name in (freedom, without_side(freedom))
+    }
+    missing = set()
+    for freedom in DEGREES_OF_FREEDOM:
+        ways = [way for way in ("positive", "negative") if (freedom, way) not in entries]
+        missing |= {without_side(freedom)} if len(ways) == 2 else {f"{without_side(freedom)}:{way}" for way in ways}
+    if unknown or missing:
+        remedy = "" if not missing or unknown else " Or name a set as `based_on`."
+        raise DataFileError(
+            f"{path}: degrees of freedom missing: {sorted(missing) or 'none'}, "
+            f"unknown: {sorted(unknown) or 'none'}.{remedy}"
+        )
