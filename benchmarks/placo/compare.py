@@ -16,6 +16,8 @@ Different, because placo's limits and weights are what they are:
 - torque limits: placo's are symmetric (the larger of both directions), ours are not;
 - torque regularisation: placo has one weight for all joints, ours is relative to each joint's strength;
 - contact: placo does not bound the yaw torque of a sole (9 rows per sole, ours has 16);
+- ours solves without the limits of torques and contact forces first, and with them where they are broken; placo
+  always with them;
 - ours checks every solution for optimality and keeps a second solver; placo trusts its one solver;
 - references: the placo side computes those of the whole cycle at once, before its first tick.
 """
@@ -39,10 +41,11 @@ import pinocchio as pin
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.exports.urdf import urdf_text
-from fatigue_planner.human.joint_data import maximum_torques
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, build_human
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.simulator import MotionRequest, simulate
+from fatigue_planner.motion.verification import measure
 
 HERE = Path(__file__).parent
 PAPER = HERE.parents[1] / "experiments" / "paper.yaml"
@@ -121,14 +124,14 @@ def message(request: MotionRequest) -> dict[str, Any]:
     assert request.tool.held == "cycle"
     human = build_human(request.worker, request.tool.mass_kg)
     settings, cycle = request.controller, request.cycle
-    positive, negative = (settings.torque_limit_factor * torque for torque in maximum_torques(request.worker.strength))
-    hand = getattr(request.action, "right_hand", request.action)
+    positive, negative = (settings.torque_limit_factor * torque for torque in maximum_torque(request.worker.strength).vectors())
+    hand = request.action.right_hand
     turn = hand.orientation_deg
     rotation = pin.rpy.rpyToMatrix(np.radians([turn.x, turn.y, turn.z]))
     target = pin.SE3(rotation, np.array([hand.position_m.x, hand.position_m.y, hand.position_m.z]))
     ends = np.cumsum([0, cycle.reach_s, cycle.work_s, cycle.return_s]) / settings.time_step_s
     regularisation, weight_n = settings.regularisation, human.mass_kg * GRAVITY_MPS2
-    strength_squared = np.maximum(*maximum_torques(request.worker.strength)) ** 2
+    strength_squared = np.maximum(*maximum_torque(request.worker.strength).vectors()) ** 2
     return {
         "urdf": with_frames(urdf_text(human.model, (positive, negative), settings.velocity_limit_radps), human),
         "stance": {
@@ -165,7 +168,7 @@ def summary(request: MotionRequest, motion: Motion) -> dict[str, Any]:
     second = slice(middle - half_second, middle + half_second)
     return {
         "work_hand_error_m": motion.hand_error_m[work].max(),
-        "foot_displacement_m": motion.foot_displacement_m.max(),
+        "foot_displacement_m": measure(request, motion).foot_displacement_m,
         "torque_nm": dict(zip(names, motion.torque_nm[second].mean(axis=0), strict=True)),
         "angle_rad": dict(zip(names, motion.configuration[second, 7:].mean(axis=0), strict=True)),
     }
