@@ -65,8 +65,8 @@ def view(
         from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 
         publish_text(path, page(performances))
-    size = path.stat().st_size / 1e6
-    typer.echo(f"{path}: {len(performances)} reactions, {size:.1f} MB ({time.perf_counter() - begin:.1f} s).")
+    size, shown = path.stat().st_size / 1e6, ", ".join(performance.title for performance in performances)
+    typer.echo(f"{path}: {shown}; {size:.1f} MB ({time.perf_counter() - begin:.1f} s).")
     if save is None and not webbrowser.open(path.resolve().as_uri()):
         typer.echo(f"No browser found; open {path} in one.")
 

@@ -20,14 +20,13 @@ Vector = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
 BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE = (
-    (140, 152, 166), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
+    (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
 )  # fmt: skip
-OPACITY = 0.45  # so that joints, centre of mass and forces are seen through the body
+OPACITY = 0.4  # so that joints, centre of mass and forces are seen through the body
 METRES_PER_NEWTON = 1e-3
 COLOUR_STEPS = 24  # of the joints, from 0 to FULL_SHARE
 FULL_SHARE = 0.6
 _POSITION_STEP, _TURN_STEP = 2.0**-12, 2.0**-13  # what is not seen is not stored: 0.24 mm, 0.01 degrees
-_FARTHEST = np.array([0.0, 0.0, -10.0])
 
 
 @cache
@@ -74,7 +73,9 @@ class Stage:
         self._forces = scene.add_arrows(
             "/forces", np.zeros((2, 2, 3)), FORCE, shaft_radius=0.012, head_radius=0.028, head_length=0.05
         )
-        self._soles = scene.add_line_segments("/soles", np.zeros((8, 2, 3)), SOLE, thickness=2.0)
+        self._soles = scene.add_line_segments(
+            "/soles", np.zeros((8, 2, 3)), SOLE, thickness=2.0, thickness_units="screen"
+        )
         self._label = scene.add_label(
             "/label", "", position=(0, 0, 1.04 * stature), font_screen_scale=1.5, anchor="bottom-center"
         )
