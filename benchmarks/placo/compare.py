@@ -124,7 +124,9 @@ def message(request: MotionRequest) -> dict[str, Any]:
     assert request.tool.held == "cycle"
     human = build_human(request.worker, request.tool.mass_kg)
     settings, cycle = request.controller, request.cycle
-    positive, negative = (settings.torque_limit_factor * torque for torque in maximum_torque(request.worker.strength).vectors())
+    positive, negative = (
+        settings.torque_limit_factor * torque for torque in maximum_torque(request.worker.strength).vectors()
+    )
     hand = request.action.right_hand
     turn = hand.orientation_deg
     rotation = pin.rpy.rpyToMatrix(np.radians([turn.x, turn.y, turn.z]))

@@ -1,0 +1,99 @@
+"""`fatplan view`: the human performs the reactions, in a page or as poses side by side."""
+
+import time
+import webbrowser
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    ExperimentFile,
+    command_line,
+    talk,
+)
+from fatigue_planner.errors import SelectionError
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.files import publish, publish_text
+from fatigue_planner.viewer.performance import Performance, performance_of
+from fatigue_planner.viewer.strip import strip
+
+MOST_UNASKED = 12  # reactions shown if none is named: 3 minutes
+SUFFIXES = (".html", ".png")
+
+
+def view(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cache: CacheFolder = DEFAULT_CACHE,
+    reaction: Annotated[
+        list[str] | None,
+        typer.Option("--reaction", help="Show only this reaction (repeatable), as `simulate` names it."),
+    ] = None,
+    save: Annotated[
+        Path | None, typer.Option("--save", help="Save a page (.html) or the poses side by side (.png).")
+    ] = None,
+    at: Annotated[
+        list[float] | None, typer.Option("--at", help="Seconds of the cycle, for the poses of a .png (repeatable).")
+    ] = None,
+) -> None:
+    """Show the digital human performing the reactions of an EXPERIMENT.
+
+    One page that needs nothing but a browser: play, scrub, orbit. Without --save it is opened.
+    Needs the reactions of `fatplan simulate`.
+    """
+    begin = time.perf_counter()
+    settings = load_experiment(experiment)
+    path = save or DEFAULT_RESULTS / settings.name / "view.html"
+    kind = path.suffix.lower()
+    if kind not in SUFFIXES:
+        raise SelectionError(f"--save {path}: the name must end in {' or '.join(SUFFIXES)}.")
+    if at and kind != ".png":
+        raise SelectionError(f"--at {at[0]:g}: only for the poses of a .png; the page shows the whole cycle.")
+    performances = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
+    if kind == ".png":
+        _check_times(at or [], performances)
+        figure = strip(performances, at or [])
+        publish(path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}))
+    else:
+        from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
+
+        publish_text(path, page(performances))
+    size, shown = path.stat().st_size / 1e6, ", ".join(performance.title for performance in performances)
+    typer.echo(f"{path}: {shown}; {size:.1f} MB ({time.perf_counter() - begin:.1f} s).")
+    if save is None and not webbrowser.open(path.resolve().as_uri()):
+        typer.echo(f"No browser found; open {path} in one.")
+
+
+def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, command: str) -> list[Performance]:
+    """The reactions to show, in the experiment's order. Raises SelectionError for a name it does not have."""
+    requests = reaction_requests(settings)
+    known = [str(request.name) for request in requests]
+    for name in wanted:
+        if name not in known:
+            raise SelectionError(f"--reaction {name}: not in the experiment; available: {', '.join(known)}")
+    chosen = wanted or known[:MOST_UNASKED]
+    if not wanted and len(known) > MOST_UNASKED:
+        talk().print(
+            f"The first {MOST_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False
+        )
+    reactions = load_reactions(settings, cache, command)
+    return [
+        performance_of(request, reaction)
+        for request, reaction in zip(requests, reactions, strict=True)
+        if str(request.name) in chosen
+    ]
+
+
+def _check_times(times_s: Sequence[float], performances: Sequence[Performance]) -> None:
+    """Raise SelectionError for a time outside the cycle."""
+    end = min(performance.duration_s for performance in performances)
+    for time_s in times_s:
+        if not 0 <= time_s <= end:
+            raise SelectionError(f"--at {time_s:g}: outside the cycle, which lasts from 0 to {end:g} s.")
