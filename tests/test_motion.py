@@ -12,6 +12,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import build_human
 from fatigue_planner.motion.contact import wrench_cone
 from fatigue_planner.motion.limits import acceleration_bounds
+from fatigue_planner.motion.loads import HandForce, TimedForce
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.schedule import phases_of
@@ -279,15 +280,22 @@ def test_an_answer_that_is_not_optimal_is_not_believed() -> None:
         assert program.solve() is None
 
 
-def test_an_unsolvable_program_fails_with_time_and_advice(paper: Experiment) -> None:
+def test_failures_say_why(paper: Experiment) -> None:
+    """Too weak, too heavy, out of balance: each its own message with time, phase, tick, limit and advice."""
     from dataclasses import replace
 
     request = reaction_requests(paper)[2].motion
     weak = request.controller.model_copy(update={"torque_limit_factor": 0.02})
-    with pytest.raises(
-        FailedMotionError, match=r"t = 0\.\d\d s \(reach, tick \d+\): torque of .* N\.m allowed\)\. A stronger worker"
-    ):
-        simulate(replace(request, controller=weak))
+    empty = request.tool.model_copy(update={"mass_kg": 0.0})
+    with pytest.raises(FailedMotionError, match=r"t = 0\.\d\d s \(reach, tick \d+\): .* not strong enough"):
+        simulate(replace(request, controller=weak, tool=empty))
+    heavy = request.tool.model_copy(update={"mass_kg": 25.0})
+    with pytest.raises(FailedMotionError, match=r"at its maximum torque \d+% of the time.*carry is too heavy"):
+        simulate(replace(request, tool=heavy))
+    shove = HandForce(kind="force", hand="right", frame="world", force_n=(TimedForce(cycle_time_s=0.0, x=-300.0),))
+    pushed = request.action.model_copy(update={"loads": (shove,)})
+    with pytest.raises(FailedMotionError, match=r"no admissible movement at t = 0\.\d\d s"):
+        simulate(replace(request, action=pushed, tool=empty))
 
 
 def test_the_second_solver_takes_over(paper: Experiment, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,8 +12,9 @@ Verdict = Literal["ok", "degraded", "failed"]
 class Quality:
     """The worst value over all ticks of everything a motion has to fulfil (SI; violations <= 0 are none).
 
-    eased_ticks counts the ticks at which joint accelerations had to leave their bounds, by up to
-    eased_radps2.
+    saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
+    where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
+    bounds, by up to eased_radps2.
     """
 
     equation_of_motion_nm: float
@@ -30,6 +31,8 @@ class Quality:
     hand_force_error_n: float
     work_hand_error_m: float
     work_hand_turn_rad: float
+    saturated_share: float
+    saturated_joint: str
     eased_ticks: int
     eased_radps2: float
 
@@ -38,7 +41,7 @@ class Quality:
         faults = []
         if not self.work_hand_error_m <= required.hand_error_m:
             faults.append(
-                f"out of reach: the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work "
+                f"{self._why_off()}: the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work "
                 f"(allowed: {required.hand_error_m * 100:.1f} cm); bring the object closer for this worker and "
                 "preference"
             )
@@ -53,12 +56,20 @@ class Quality:
             "energy_error_share": required.energy_error_share,
             "position_violation_rad": required.eased_position_rad if self.eased_ticks else required.limit_violation,
         }
-        apart = {"work_hand_error_m", "work_hand_turn_rad", "eased_ticks", "eased_radps2"}
+        apart = {
+            "work_hand_error_m", "work_hand_turn_rad", "saturated_share", "saturated_joint", "eased_ticks",
+            "eased_radps2",
+        }  # fmt: skip
         for name, value in asdict(self).items():
             allowed = bounds.get(name, required.limit_violation)
             if name not in apart and not value <= allowed:
                 faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e})")
         return faults
+
+    def _why_off(self) -> str:
+        if self.saturated_share < 0.1:
+            return "out of reach"
+        return f"too heavy or out of reach ({self.saturated_joint} at its limit {self.saturated_share:.0%} of the time)"
 
     def verdict(self, required: Accuracy) -> Verdict:
         """ok; degraded, if usable although limits had to be eased; failed."""

@@ -16,6 +16,7 @@ from fatigue_planner.motion.controller import LimitKind, WholeBodyController
 from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.references import hand_reference
+from fatigue_planner.motion.saturation import Saturation, saturation
 from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of, share_of
 from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
@@ -26,6 +27,9 @@ from fatigue_planner.motion.tasks.registry import Preference
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+
+# A joint that is at its maximum torque for more of the time than this is not strong enough.
+LASTING = 0.1
 
 
 @dataclass(frozen=True)
@@ -128,34 +132,36 @@ class Simulator:
         state, grips = self.body.state, self.body.grips
         return np.concatenate([state.placement(grips[side]).translation for side in self.references])
 
-    def failure(self, tick: int) -> FailedMotionError:
-        """Why there is no movement at this tick, with advice."""
+    def failure(self, tick: int, torque_nm: Matrix) -> FailedMotionError:
+        """Why there is no movement at this tick, with advice; `torque_nm` (tick, 39) what was exerted before."""
         phase = next(phase.name for phase in self.phases if tick < phase.stop)
         where = f"no admissible movement at t = {tick * self.time_step_s:.2f} s ({phase}, tick {tick})"
         obstacle = self.body.controller.obstacle()
         if obstacle is None:
             return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
         reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
-        if self._moves_unloaded(tick):
-            return FailedMotionError(
-                f"{reason}. The load in the hands is too heavy for this worker and posture: with empty hands there "
-                "would be a movement. Make the tool or the load lighter, or let the hands work closer to the body."
+        factor = self.request.controller.torque_limit_factor
+        limits = (factor * torque for torque in self.request.maximum_torque.vectors())
+        before = saturation(torque_nm, *limits) if tick else Saturation("", 0.0, 0)
+        if before.share > 0:
+            since = before.first_tick * self.time_step_s
+            reason += f"; {before.joint} at its maximum torque {before.share:.0%} of the time, first at {since:.2f} s"
+        if before.share > LASTING or obstacle.kind is LimitKind.TORQUE:
+            advice = (
+                "What the hands carry is too heavy for this worker in this posture: make the tool or the load lighter, "
+                "or let the hands work closer to the body."
+                if self._loaded()
+                else "The worker is not strong enough for this: a closer object or a longer phase helps."
             )
-        advice = {
-            LimitKind.TORQUE: "A stronger worker, a closer object or a longer phase helps.",
-            LimitKind.JOINT: "Bring the object closer or turn it, or make the phase longer.",
-            LimitKind.CONTACT: "The body would lose its balance: bring the object closer or make the forces smaller.",
-        }[obstacle.kind]
+        elif obstacle.kind is LimitKind.JOINT:
+            advice = "Bring the object closer or turn it, or make the phase longer."
+        else:
+            advice = "The body would lose its balance: bring the object closer or make the forces smaller."
         return FailedMotionError(f"{reason}. {advice}")
 
-    def _moves_unloaded(self, tick: int) -> bool:
-        """Whether there were a movement at this tick with nothing in the hands."""
-        if not self.forces and self.runs == (Run(0, self.ticks, 0.0, 0.0),):
-            return False
-        self.forces = ()
-        self.take_up(Run(0, self.ticks, 0.0, 0.0))
-        self.prepare(tick)
-        return self.body.controller.step() is not None
+    def _loaded(self) -> bool:
+        """Whether the hands carry anything or are pushed."""
+        return bool(self.forces) or any(run.right_kg > 0 or run.left_kg > 0 for run in self.runs)
 
 
 def simulate(request: MotionRequest) -> Motion:
@@ -179,7 +185,7 @@ def simulate(request: MotionRequest) -> Motion:
             force = simulator.prepare(tick)
             result = simulator.body.controller.step()
             if result is None:
-                raise simulator.failure(tick)
+                raise simulator.failure(tick, record["torque_nm"][:tick])
             record["configuration"][tick], record["velocity"][tick] = simulator.configuration, simulator.velocity
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force

@@ -15,6 +15,7 @@ from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.replay import energy_error_share, replay
+from fatigue_planner.motion.saturation import saturation
 from fatigue_planner.motion.schedule import forces_of, phases_of, runs_of
 from fatigue_planner.motion.simulator import MotionRequest
 
@@ -52,6 +53,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     pressing = np.maximum(normal, 1e-9)
     off_centre = np.maximum(np.abs(forces[:, 4]) / pressing - length, np.abs(forces[:, 3]) / pressing - breadth)
     hands = _hand_errors(request, motion, [fists for run in replays for fists in run.fists])
+    saturated = saturation(motion.torque_nm[motion.phase("work")], positive, negative)
     eased = np.abs(motion.eased_radps2).max(axis=1)
     return Quality(
         equation_of_motion_nm=float(max(np.abs(run.residual_nm).max() for run in replays)),
@@ -70,6 +72,8 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         hand_force_error_n=_force_error(request, motion, [fists for run in replays for fists in run.fists]),
         work_hand_error_m=hands.distance_m,
         work_hand_turn_rad=hands.turn_rad,
+        saturated_share=saturated.share,
+        saturated_joint=saturated.joint,
         eased_ticks=int((eased > 0).sum()),
         eased_radps2=float(eased.max()),
     )

@@ -38,9 +38,9 @@ def audit(place: tuple[Path, ReactionName]) -> Audit:
     faults = quality.faults(request.accuracy)
     stored = asdict(reaction.quality)
     faults += [
-        f"{check} = {value:.3e}, stored as {stored[check]:.3e}"
+        f"{check} = {value}, stored as {stored[check]}"
         for check, value in asdict(quality).items()
-        if not abs(value - stored[check]) <= TOLERANCE
+        if not (value == stored[check] if isinstance(value, str) else abs(value - stored[check]) <= TOLERANCE)
     ]
     if faults:
         return Audit(path, name, "failed", "; ".join(faults))
