@@ -60,7 +60,9 @@ def view(
     if kind == ".png":
         _check_times(at or [], performances)
         figure = strip(performances, at or [])
-        publish(path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}))
+        publish(
+            path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}, bbox_inches="tight")
+        )
     else:
         from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 

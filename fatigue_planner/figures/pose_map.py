@@ -39,7 +39,7 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
     across, up = sorted(sorted(spread, key=lambda axis: -spread[axis])[:2])
     if own.groupby([across, up]).ngroups < FEWEST_PLACES or min(spread[across], spread[up]) < 2:
         return None
-    figure = new_figure(2.9 * len(preferences) + 0.9, 3.3)
+    figure = new_figure(1.75 * len(preferences) + 1.4, 3.6)
     axes = figure.subplots(1, len(preferences), squeeze=False, sharey=True)[0]
     low, high = own["long_run_cost"].min(), own["long_run_cost"].max()
     for panel, preference in zip(axes, preferences, strict=True):

@@ -18,7 +18,7 @@ from fatigue_planner.reactions.reaction import Reaction
 Vector = NDArray[np.float64]
 
 # Up to so many reactions are drawn from two sides in one row; more from the right only, in rows of at most WIDEST.
-FEW = 8
+FEW = 9
 WIDEST = 15
 
 

@@ -25,9 +25,9 @@ def legend() -> str:
     scale = "".join(f"<span>{round(100 * FULL_SHARE * part)} %</span>" for part in (0, 0.5, 1))
     rows = (
         (CENTRE, "centre of mass, and the point of the ground below it"),
-        (FORCE, f"force on each foot, {METRES_PER_NEWTON * 100:g} m for 100 N"),
-        (TOOL, "tool"),
-        (OBJECT, "where the object is presented"),
+        (FORCE, f"force on a foot or a hand, {METRES_PER_NEWTON * 100:g} m for 100 N"),
+        (TOOL, "tool, or another mass in the hand"),
+        (OBJECT, "where the hands have to go"),
     )
     signs = "".join(f'<div><span style="color:{_css(colour)}">&#9632;</span> {text}</div>' for colour, text in rows)
     return (

@@ -69,9 +69,12 @@ class Stage:
         ]
         self._centre = scene.add_icosphere("/centre_of_mass/centre", 0.035, color=CENTRE)
         self._plumb = scene.add_icosphere("/centre_of_mass/plumb", 0.018, color=CENTRE)
-        self._forces = scene.add_arrows(
-            "/forces", np.zeros((4, 2, 3)), FORCE, shaft_radius=0.012, head_radius=0.028, head_length=0.05
-        )
+        self._forces = [
+            scene.add_arrows(
+                f"/forces/{place}", np.zeros((1, 2, 3)), FORCE, shaft_radius=0.012, head_radius=0.028, head_length=0.05
+            )
+            for place in ("right_foot", "left_foot", "right_hand", "left_hand")
+        ]
         self._soles = scene.add_line_segments(
             "/soles", np.zeros((8, 2, 3)), SOLE, thickness=2.0, thickness_units="screen"
         )
@@ -94,7 +97,9 @@ class Stage:
         _place(self._objects, performance.objects)
         self._centre.position = _rounded(instant.centre_of_mass_m)
         self._plumb.position = _rounded(instant.centre_of_mass_m * [1, 1, 0])
-        self._forces.points = force_arrows(instant)
+        for node, arrow in zip(self._forces, force_arrows(instant), strict=True):
+            node.points = arrow[None]
+            node.visible = bool((arrow[0] != arrow[1]).any())
         self._soles.points = sole_outlines(performance.human, instant)
         time = tick * performance.motion.time_step_s
         self._label.text = f"{performance.title}: {performance.phase(tick)}, {time:.1f} s"

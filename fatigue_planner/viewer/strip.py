@@ -34,6 +34,6 @@ def strip(performances: Sequence[Performance], times_s: Sequence[float]) -> Figu
         for panel in panels[len(times) :]:
             panel.set_axis_off()
         panels[0].text(-0.06, 0.5, words(performance.title), transform=panels[0].transAxes, rotation=90, va="center")
-    label = "largest load at the joint, % of the maximum torque (blue squares: the fists that work)"
+    label = "largest load at the joint, % of the maximum torque \n(blue squares: the fists that work)"
     figure.colorbar(discs, ax=list(axes[-1]), location="bottom", shrink=0.8, aspect=50, label=label, extend="max")
     return figure
