@@ -174,7 +174,7 @@ def test_the_readmes_workstation_runs(tmp_path: Path) -> None:
     block = (PAPER.parents[1] / "README.md").read_text().split("```yaml\n")[1].split("```")[0]
     experiment = yaml.safe_load(PAPER.read_text().replace("1e-8", "1.0e-8").replace("1e-6", "1.0e-6"))
     for key, value in yaml.safe_load(block).items():
-        experiment[key] = value if key == "actions" else experiment[key] | value
+        experiment[key] = value if key in {"actions", "workers"} else experiment[key] | value
     path = tmp_path / "mine.yaml"
     path.write_text(yaml.safe_dump(experiment))
     done = fatplan("simulate", path, "--cache", tmp_path)
@@ -277,3 +277,23 @@ def test_help_and_version() -> None:
         assert done.returncode == 0 and "Exit codes:" in done.stdout
     assert fatplan("--version").stdout.startswith("fatplan ")
     assert fatplan("nonsense").returncode == 2
+
+
+def test_cache_verify_checks_everything_again(cache_folder: Path, tmp_path: Path) -> None:
+    import shutil
+
+    import h5py
+
+    (library,) = cache_folder.glob("*.h5")
+    done = fatplan("cache", "verify", "--cache", cache_folder)
+    assert done.returncode == 0, done.stderr
+    assert "4 reactions in 1 files: 4 ok, 0 degraded, 0 failed; 0 files damaged" in done.stdout
+    shutil.copy(library, tmp_path / library.name)
+    with h5py.File(tmp_path / library.name, "r+") as file:
+        file["reactions/average_man/low/arm/wrench"][3, 3] += 1.0
+    done = fatplan("cache", "verify", "--cache", tmp_path)
+    assert done.returncode == 4 and "average_man/low/arm" in done.stdout and "does not match its hash" in done.stdout
+    assert (tmp_path / library.name).exists()  # nothing is changed
+    (tmp_path / library.name).write_bytes(b"no library")
+    assert fatplan("cache", "verify", "--cache", tmp_path).returncode == 4
+    assert "no reaction library there" in refused(2, "cache", "verify", "--cache", tmp_path / "none")

@@ -7,7 +7,13 @@ from scipy.integrate import solve_ivp
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import cycle_map, loads
-from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters, fatigue_parameters, fatigue_state
+from fatigue_planner.fatigue.parameters import (
+    ENTRIES,
+    FatigueParameters,
+    FatigueSettings,
+    fatigue_parameters,
+    fatigue_state,
+)
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.reactions.reaction import Reaction
 
@@ -112,3 +118,31 @@ def test_names_of_fatigue_reach_their_entries() -> None:
     assert len(named("hip_flexion")) == 4
     with pytest.raises(DataFileError, match="unknown joint 'back'"):
         fatigue_state({"back": 0.5})
+
+
+def test_joints_may_differ_from_the_rest(paper: Experiment) -> None:
+    """k, R and alpha of single joints; a later name goes before an earlier one, a side before none."""
+    settings = FatigueSettings.model_validate(
+        {
+            **paper.fatigue.model_dump(),
+            "joints": {
+                "shoulder_flexion": {"fatigue_rate_per_s": 0.028},
+                "right_shoulder_flexion:negative": {"fatigue_rate_per_s": 0.05, "threshold": 0.2},
+                "lumbar_flexion": {"recovery_rate_per_s": 0.01},
+            },
+        }
+    )
+    ours, common = (fatigue_parameters(chosen, maximum_torque("average_man")) for chosen in (settings, paper.fatigue))
+    place = ENTRIES.index
+    assert ours.fatigue_rate[place("left_shoulder_flexion:positive")] == 0.028
+    assert ours.fatigue_rate[place("right_shoulder_flexion:negative")] == 0.05
+    assert ours.threshold[place("right_shoulder_flexion:negative")] == 0.2
+    assert (
+        ours.recovery_rate[[place("lumbar_flexion:positive"), place("lumbar_flexion:negative")]].tolist() == [0.01] * 2
+    )
+    for name, changed in (("fatigue_rate", 4), ("recovery_rate", 2), ("threshold", 1)):
+        assert (getattr(ours, name) != getattr(common, name)).sum() == changed
+    torque = np.zeros((100, 39))
+    torque[:, 0] = -0.05 * common.maximum_torque_nm[39]  # below the threshold: the back recovers, more slowly
+    slow, usual = (cycle_map(torque, 0.1, parameters) for parameters in (ours, common))
+    assert slow.gain[39] == pytest.approx(np.exp(-0.1)) and usual.gain[39] == pytest.approx(np.exp(-0.4))

@@ -4,12 +4,16 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
+from conftest import ROOT
 
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.exports.urdf import urdf_text
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.reactions.reaction import Reaction
 
 BAR_NM = 1e-8
@@ -43,6 +47,13 @@ class Oracle:
         mujoco.mj_inverse(self.model, d)
         force = d.qfrc_inverse
         return np.concatenate([rotation.T @ force[:3], force[3:6], force[self.dofs]])
+
+    def of_force(self, point: np.ndarray, body: int, force: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """Generalised forces of a force (3,) in world axes at a point of a body, at the last state."""
+        linear = np.zeros((3, self.model.nv))
+        mujoco.mj_jac(self.model, self.data, linear, None, point, body)
+        total, rotation = linear.T @ force, pin.Quaternion(q[3:7]).toRotationMatrix()
+        return np.concatenate([rotation.T @ total[:3], total[3:6], total[self.dofs]])
 
     def of_contacts(self, wrench: np.ndarray, q: np.ndarray) -> np.ndarray:
         """Generalised forces of the two sole wrenches (each in its sole's axes), at the last state."""
@@ -84,3 +95,21 @@ def test_every_tick_of_every_stored_motion(loaded: Human, reactions: tuple[React
             residual[BASE_DOF:] -= torque
             worst = max(worst, np.abs(residual).max())
         assert worst <= BAR_NM, reaction.name
+
+
+def test_forces_on_the_hands_are_balanced_in_mujoco_too() -> None:
+    """A co-transport: torques, contact forces and forces on both hands balance the motion at every tick."""
+    experiment = load_experiment(ROOT / "experiments" / "co_transport.yaml")
+    request = reaction_requests(experiment)[-1].motion
+    motion, oracle = simulate(request), Oracle(build_human(request.worker))
+    grips = [oracle.model.body(f"{side}_hand").id for side in ("right", "left")]
+    offset = build_human(request.worker).anthropometry.grip_m()
+    worst = 0.0
+    for tick, (q, v, a) in enumerate(zip(motion.configuration, motion.velocity, motion.acceleration, strict=True)):
+        residual = oracle.inverse_dynamics(q, v, a) - oracle.of_contacts(motion.wrench[tick], q)
+        residual[BASE_DOF:] -= motion.torque_nm[tick]
+        for body, force in zip(grips, motion.hand_force_n[tick].reshape(2, 3), strict=True):
+            point = oracle.data.xpos[body] + oracle.data.xmat[body].reshape(3, 3) @ offset
+            residual -= oracle.of_force(point, body, force, q)
+        worst = max(worst, np.abs(residual).max())
+    assert worst <= BAR_NM and np.abs(motion.hand_force_n).max() == 60

@@ -7,14 +7,17 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from conftest import PAPER
 
-from fatigue_planner.errors import DamagedFileError, MissingLibraryError
+from fatigue_planner.errors import DamagedFileError, MissingLibraryError, OutputFolderError
+from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.reactions.audit import audit
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, read_library, write_reaction
+from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, names_in, read_library, write_reaction
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -220,3 +223,67 @@ def test_reactions_of_other_settings_under_this_name_are_refused(
 def test_missing_library_names_the_command(paper: Experiment, tmp_path: Path) -> None:
     with pytest.raises(MissingLibraryError, match=r"Run `fatplan simulate p\.yaml` first"):
         load_reactions(paper, tmp_path, "fatplan simulate p.yaml")
+
+
+def test_a_degraded_motion_is_kept_and_says_so(brief: Experiment, tmp_path: Path) -> None:
+    slow = brief.model_copy(
+        update={
+            "cycle": Cycle(reach_s=2.5, work_s=1.0, return_s=2.5),
+            "actions": {"low": load_experiment(PAPER).actions["low"]},
+            "controller": brief.controller.model_copy(update={"acceleration_limit_radps2": 1.0}),
+            "accuracy": brief.accuracy.model_copy(update={"hand_error_m": 0.02, "eased_position_rad": 0.02}),
+        }
+    )
+    _, _, first = complete(slow, tmp_path)
+    _, _, again = complete(slow, tmp_path)
+    assert [outcome.verdict for outcome in (*first, *again)] == ["degraded", "degraded"]
+    assert again[0].found and again[0].quality == first[0].quality
+    (file,) = ReactionCache(tmp_path).files()
+    (name,) = names_in(file)
+    assert audit((file, name)).verdict == "degraded" and "ticks" in audit((file, name)).reason
+
+
+def test_two_names_of_the_same_reaction_are_simulated_once(brief: Experiment, tmp_path: Path) -> None:
+    twice = brief.model_copy(update={"actions": {"high": brief.actions["high"], "top": brief.actions["high"]}})
+    _, path, outcomes = complete(twice, tmp_path)
+    assert [str(outcome.name) for outcome in outcomes] == ["average_man/high/arm", "average_man/top/arm"]
+    first, second = read_library(path)
+    assert first.digest == second.digest and first.name != second.name
+    np.testing.assert_array_equal(first.motion.torque_nm, second.motion.torque_nm)
+
+
+def test_a_library_of_another_format_is_left_alone(brief: Experiment, tmp_path: Path) -> None:
+    _, path, _ = complete(brief, tmp_path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["format_version"] = 1
+    old = path.with_name(f"old-{'0' * 16}.h5")
+    path.rename(old)
+    cache, again, outcomes = complete(brief, tmp_path)
+    assert cache.damaged == [] and old.exists() and again.exists() and not outcomes[0].found
+
+
+def test_no_room_is_said_before_anything_is_written(
+    brief: Experiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full = shutil.disk_usage(tmp_path)._replace(free=1000)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: full)
+    with pytest.raises(OutputFolderError, match="no room for"):
+        complete(brief, tmp_path)
+    assert not list(tmp_path.glob("*.h5")) and len(list((tmp_path / "partial").glob("*.h5"))) == 1
+
+
+def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+    """A stored motion that does not keep its bars is found, even behind a valid hash."""
+    good = audit((next(iter(ReactionCache(cache_folder).files())), reactions[0].name))
+    assert (good.verdict, good.reason, good.damaged) == ("ok", "", False)
+    torque = reactions[0].motion.torque_nm.copy()
+    torque[100, 3] += 1e-3
+    forged = replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque))
+    path = tmp_path / f"{'0' * 16}.h5"
+    write_reaction(path, forged)
+    found = audit((path, forged.name))
+    assert found.verdict == "failed" and not found.damaged
+    assert "equation_of_motion_nm = 1.00e-03 (allowed: 1e-08)" in found.reason and "stored as" in found.reason
+    strange = replace(reactions[0], settings={**reactions[0].settings, "action": {"position": 1}})
+    write_reaction(path, strange)
+    assert "not those of this version" in audit((path, forged.name)).reason

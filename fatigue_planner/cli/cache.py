@@ -57,14 +57,12 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
         typer.echo(f"Not checked: {message}")
     for message in damaged:
         typer.echo(f"DAMAGED: {message}")
-    n_damaged = len(damaged) + sum(result.damaged for result in ordered)
-    n_failed = sum(result.verdict == "failed" and not result.damaged for result in ordered)
-    n_degraded = sum(result.verdict == "degraded" for result in ordered)
-    typer.echo(
-        f"{len(ordered)} reactions in {len(files)} files: {len(ordered) - n_failed - n_degraded - n_damaged} ok, "
-        f"{n_degraded} degraded, {n_failed} failed, {n_damaged} damaged."
-    )
+    counts = {verdict: sum(result.verdict == verdict for result in ordered) for verdict in ("ok", "degraded", "failed")}
+    broken = {result.path for result in ordered if result.damaged}
+    n_damaged = len(damaged) + len(broken)
+    summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
+    typer.echo(f"{len(ordered)} reactions in {len(files)} files: {summary}; {n_damaged} files damaged.")
     if n_damaged:
         raise typer.Exit(ExitCode.DAMAGED_STORE)
-    if n_failed:
+    if counts["failed"]:
         raise typer.Exit(ExitCode.FAILED_PARTS)

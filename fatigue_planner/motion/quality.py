@@ -7,6 +7,9 @@ from fatigue_planner.motion.settings import Accuracy
 
 Verdict = Literal["ok", "degraded", "failed"]
 
+# Errors of the integration, which go with the time step.
+SHRINKING = ("foot_displacement_m", "energy_error_share")
+
 
 @dataclass(frozen=True)
 class Quality:
@@ -63,7 +66,8 @@ class Quality:
         for name, value in asdict(self).items():
             allowed = bounds.get(name, required.limit_violation)
             if name not in apart and not value <= allowed:
-                faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e})")
+                remedy = "; a smaller controller.time_step_s helps" if name in SHRINKING else ""
+                faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e}{remedy})")
         return faults
 
     def _why_off(self) -> str:

@@ -22,6 +22,10 @@ from fatigue_planner.motion.simulator import MotionRequest
 Matrix = NDArray[np.float64]
 
 
+# A sole that presses less has no centre of pressure to speak of; its moments still have to be as small.
+PRESSING_N = 1.0
+
+
 @dataclass(frozen=True)
 class _HandErrors:
     """The largest distance (m) and turn (rad) of a fist from its reference during work."""
@@ -50,8 +54,9 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         request.controller.friction_coefficient, human.sole_half_length_m, human.sole_half_breadth_m
     )  # fmt: skip
     normal = forces[:, 2]
-    pressing = np.maximum(normal, 1e-9)
-    off_centre = np.maximum(np.abs(forces[:, 4]) / pressing - length, np.abs(forces[:, 3]) / pressing - breadth)
+    pressing = np.maximum(normal, PRESSING_N)
+    tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
+    off_centre = (tipping / pressing[:, None]).max(axis=1)
     hands = _hand_errors(request, motion, [fists for run in replays for fists in run.fists])
     saturated = saturation(motion.torque_nm[motion.phase("work")], positive, negative)
     eased = np.abs(motion.eased_radps2).max(axis=1)
