@@ -386,3 +386,25 @@ def test_an_infeasible_program_has_no_solution(capfd: pytest.CaptureFixture[str]
         program.row_lower[:], program.row_upper[:] = 2, 3
         assert program.solve() is None
     assert capfd.readouterr().out == ""  # solvers do not talk
+
+
+def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
+    paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
+    """Each gain and offset by less than 1 % of the largest; the energy error halves (first order)."""
+    from dataclasses import replace
+
+    from fatigue_planner.experiment.resolve import worker_fatigue
+    from fatigue_planner.fatigue.cycle_map import cycle_map
+
+    parameters = worker_fatigue(paper)["average_man"]
+    step = paper.controller.time_step_s / 2
+    for request, reaction in zip(reaction_requests(paper), reactions, strict=True):
+        finer = replace(request.motion, controller=paper.controller.model_copy(update={"time_step_s": step}))
+        motion = simulate(finer)
+        ours = cycle_map(reaction.motion.torque_nm, 2 * step, parameters)
+        theirs = cycle_map(motion.torque_nm, step, parameters)
+        assert np.abs(ours.gain - theirs.gain).max() < 0.01 * theirs.gain.max()
+        assert np.abs(ours.offset - theirs.offset).max() < 0.01 * theirs.offset.max()
+        order = np.log2(reaction.quality.energy_error_share / measure(finer, motion).energy_error_share)
+        assert 0.9 < order < 1.1
