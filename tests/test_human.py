@@ -14,7 +14,7 @@ from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.coordinates import Coordinates
-from fatigue_planner.motion.tasks.joint_posture import PostureTask
+from fatigue_planner.motion.tasks.joint_posture import WholePosture
 
 
 def worker(height_m: float = 1.75, mass_kg: float = 75, sex: str = "male") -> Worker:
@@ -190,7 +190,7 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     weights, stiffness = paper.controller.weights, paper.controller.stiffness_per_s2
     x, y, _ = state.centre_of_mass().position_m
     balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
-    stay = PostureTask(weights.posture, stiffness.posture, human.stance[7:])
+    stay = WholePosture(weights.posture, stiffness.posture, human.stance[7:])
     strength = maximum_torque(paper.workers["average_man"].strength).vectors()
     result = WholeBodyController(human, state, paper.controller, strength, stay, [balance]).step()
     assert result is not None

@@ -19,11 +19,11 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.assembly import assemble
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
-from fatigue_planner.motion.elastic_program import Eased, solve_elastic
+from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
 from fatigue_planner.motion.limits import acceleration_bounds
 from fatigue_planner.motion.quadratic_program import QuadraticProgram, solve_either
 from fatigue_planner.motion.settings import Controller
-from fatigue_planner.motion.tasks.joint_posture import PostureTask
+from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Task
 
 Vector = NDArray[np.float64]
@@ -75,7 +75,7 @@ class WholeBodyController:
         state: BodyState,
         settings: Controller,
         strength: tuple[Vector, Vector],
-        posture: PostureTask,
+        posture: WholePosture,
         tasks: list[Task],
     ) -> None:
         self.settings = settings
@@ -143,10 +143,15 @@ class WholeBodyController:
             self.fill_whole_program()
             solution = solve_either(self.program)
             if solution is None:
-                relaxed = self._ease(LimitKind.JOINT)
-                if relaxed is None or np.abs(relaxed.slack).max() > MOST_EASED_RADPS2:
+                slack = self._slack(LimitKind.JOINT)
+                if slack is None or np.abs(slack).max() > MOST_EASED_RADPS2:
                     return None
-                solution, eased = relaxed.solution, relaxed.slack
+                joints = np.arange(BASE_DOF, self.nv)
+                lowest, highest = self.program.lower[joints], self.program.upper[joints]
+                solution = solve_eased(self.program, joints, slack)
+                if solution is None:
+                    return None
+                eased = np.maximum(solution[joints] - highest, 0) + np.minimum(solution[joints] - lowest, 0)
         return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), self._torque(solution), eased)
 
     def _torque(self, solution: Vector) -> Vector:
@@ -164,29 +169,31 @@ class WholeBodyController:
 
     def obstacle(self) -> Obstacle | None:
         """After a step without solution: the limit whose giving way, the least of all kinds, would allow one."""
+        self.fill_whole_program()
         obstacles = [obstacle for kind in LimitKind for obstacle in [self._obstacle(kind)] if obstacle is not None]
         return min(obstacles, key=lambda obstacle: obstacle.share, default=None)
 
     def _obstacle(self, kind: LimitKind) -> Obstacle | None:
         """How far the limits of one kind would have to give way, if they alone were elastic; None if no help."""
-        relaxed = self._ease(kind)
-        if relaxed is None:
+        slack = self._slack(kind)
+        if slack is None:
             return None
-        share = np.abs(relaxed.slack) / self._scale[kind]
+        share = np.abs(slack) / self._scale[kind]
         worst = int(share.argmax())
-        excess = abs(relaxed.slack[worst])
+        excess = abs(slack[worst])
         match kind:
             case LimitKind.JOINT:
-                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
+                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.2g} rad/s^2 beyond what it may accelerate"
             case LimitKind.TORQUE:
-                limit = (self._highest_torque if relaxed.slack[worst] > 0 else -self._lowest_torque)[worst]
+                limit = (self._highest_torque if slack[worst] > 0 else -self._lowest_torque)[worst]
                 place = DEGREES_OF_FREEDOM[worst]
-                amount = f"{limit + excess:.1f} N.m needed, {limit:.1f} N.m allowed"
+                amount = f"{excess:.2g} N.m more than the {limit:.1f} N.m allowed"
             case LimitKind.CONTACT:
                 place, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
         return Obstacle(kind, place, amount, float(share[worst]))
 
-    def _ease(self, kind: LimitKind) -> Eased | None:
+    def _slack(self, kind: LimitKind) -> Vector | None:
+        """By how much the limits of one kind have to give way for a solution, at least."""
         torque, cone = self._torque_rows.start, self._torque_rows.stop
         bounds = np.arange(BASE_DOF, self.nv) if kind is LimitKind.JOINT else np.arange(0)
         rows = {
@@ -194,7 +201,7 @@ class WholeBodyController:
             LimitKind.TORQUE: np.arange(torque, cone),
             LimitKind.CONTACT: np.arange(cone, len(self.program.A)),
         }[kind]
-        return solve_elastic(self.program, bounds, rows, self._scale[kind])
+        return smallest_slack(self.program, bounds, rows, self._scale[kind])
 
     def weigh(self, task: int, share: float) -> None:
         """Give a task (by its place in the list) a share of its weight."""
@@ -223,7 +230,7 @@ class WholeBodyController:
             self._required[rows] = contact.required_acceleration(state, own)
         for task, rows in zip(self.tasks, self._task_rows, strict=True):
             task.evaluate(state, self._task_jacobian[rows], self._task_target[rows])
-        self.posture.evaluate(state, self._task_jacobian[:0], self._posture_target)
+        self._posture_target[:] = self.posture.target(state)
 
     def _fill_free_program(self) -> None:
         self._fill_limits()

@@ -1,39 +1,30 @@
 """The quadratic program with some of its limits made elastic, for ticks that have no solution otherwise."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.motion.quadratic_program import QuadraticProgram, solve_either
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, Vector, solve_either
 
-Vector = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# What a unit of scaled slack costs: enough that a limit gives way only as far as it must.
-PENALTY = 1e3
+# Weight of the unknowns beside the slack, only to make the smallest slack's solution unique.
+REGULARISATION = 1e-6
+# What an eased limit gives way beyond the smallest slack, so that rounding leaves room for a solution.
+MARGIN = 1e-6
 
 
-@dataclass(frozen=True)
-class Eased:
-    """The solution (n,) of an elastic program, and the slack (k,) of its elastic bounds, then rows."""
+def smallest_slack(program: QuadraticProgram, bounds: Indices, rows: Indices, scale: Vector) -> Vector | None:
+    """By how much the bounds and rows named have to give way, (k,), bounds first; None if that is no help.
 
-    solution: Vector
-    slack: Vector
-
-
-def solve_elastic(program: QuadraticProgram, bounds: Indices, rows: Indices, scale: Vector) -> Eased | None:
-    """The minimiser if the bounds and rows named may be left at a price; None if even that has none.
-
-    min 1/2 x'Hx + g'x + PENALTY/2 |s|^2 with x_i - scale s between its bounds for the variables
-    `bounds` and (A x)_j - scale s for the constraint `rows`; `scale` (k,) holds their units, bounds
-    first. Slacks come back in those units, so that they are comparable only after division by it.
+    min |s|^2 + REGULARISATION |x|^2 with x_i - scale s between its bounds for the variables `bounds` and
+    (A x)_j - scale s between its own for the constraints `rows`; all else as in the program. `scale` (k,)
+    makes slacks of different units comparable; they come back in their own units.
     """
     m, n = program.A.shape
     k = len(bounds) + len(rows)
     elastic = QuadraticProgram(n + k, m + len(bounds), program.solver)
-    elastic.H[:n, :n], elastic.H[range(n, n + k), range(n, n + k)] = program.H, PENALTY
-    elastic.g[:n] = program.g
+    diagonal = np.einsum("ii->i", elastic.H)
+    diagonal[:n], diagonal[n:] = REGULARISATION, 1.0
     elastic.A[:m, :n] = program.A
     elastic.lower[:], elastic.upper[:] = -np.inf, np.inf
     elastic.lower[:n], elastic.upper[:n] = program.lower, program.upper
@@ -46,4 +37,12 @@ def solve_elastic(program: QuadraticProgram, bounds: Indices, rows: Indices, sca
     for place, constraint in enumerate(rows, start=len(bounds)):
         elastic.A[constraint, n + place] = -scale[place]
     solution = solve_either(elastic)
-    return None if solution is None else Eased(solution[:n], scale * solution[n:])
+    return None if solution is None else scale * solution[n:]
+
+
+def solve_eased(program: QuadraticProgram, bounds: Indices, slack: Vector) -> Vector | None:
+    """The minimiser (n,) with the bounds of these variables eased by their slack (k,); None if there is none."""
+    room = MARGIN * (1 + np.abs(slack))
+    program.lower[bounds] += np.minimum(slack, 0) - room
+    program.upper[bounds] += np.maximum(slack, 0) + room
+    return solve_either(program)

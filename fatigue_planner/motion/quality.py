@@ -15,11 +15,16 @@ SHRINKING = ("foot_displacement_m", "energy_error_share")
 class Quality:
     """The worst value over all ticks of everything a motion has to fulfil (SI; violations <= 0 are none).
 
+    not_finite counts values that are no numbers. record_error is how far the record is from what follows
+    from itself and from what was asked for: that it starts at rest in the stance, follows its own
+    accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
     saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
     where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
     bounds, by up to eased_radps2.
     """
 
+    not_finite: int
+    record_error: float
     equation_of_motion_nm: float
     friction_violation_n: float
     unilateral_violation_n: float
@@ -31,7 +36,6 @@ class Quality:
     centre_of_mass_violation_m: float
     energy_error_share: float
     foot_displacement_m: float
-    hand_force_error_n: float
     work_hand_error_m: float
     work_hand_turn_rad: float
     saturated_share: float

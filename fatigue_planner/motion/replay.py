@@ -23,8 +23,8 @@ class Replay:
     residual_nm (n, 45): M a + h - S' tau - J' w - J_h' f_h; centre_of_mass_m (n, 3); energy_j (n,):
     kinetic and potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques, and the
     ground and the forces on the hands, do between a tick and the next, at the mean of both velocities;
-    fists (n, 2) the poses of the right and left fist; sole_displacement_m (n, 2) how far the soles are
-    from where they stood in the natural stance.
+    fists (n, 2) the poses of the right and left fist; sole_displacement_m (n, 2) how far the corner of a
+    sole that moved most is from where it stood in the natural stance.
     """
 
     residual_nm: Matrix
@@ -41,7 +41,9 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     model, data = human.model, human.model.createData()
     soles, grips = ([model.getFrameId(f"{side}_{part}") for side in SIDES] for part in ("sole", "grip"))
     pin.framesForwardKinematics(model, data, human.stance)
-    home = [data.oMf[sole].translation.copy() for sole in soles]
+    length, breadth = human.sole_half_length_m, human.sole_half_breadth_m
+    corners = np.array([[x, y, 0] for x in (-length, length) for y in (-breadth, breadth)])
+    home = [_points(data.oMf[sole], corners) for sole in soles]
     displacement = np.empty((len(ticks), 2))
     residual, centre = np.empty((len(ticks), model.nv)), np.empty((len(ticks), 3))
     energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
@@ -66,7 +68,8 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
         residual[row] -= pushed
         fists.append((data.oMf[grips[0]].copy(), data.oMf[grips[1]].copy()))
         displacement[row] = [
-            np.linalg.norm(data.oMf[sole].translation - at) for sole, at in zip(soles, home, strict=True)
+            np.linalg.norm(_points(data.oMf[sole], corners) - at, axis=1).max()
+            for sole, at in zip(soles, home, strict=True)
         ]
         if row < len(contact_work):
             contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
@@ -75,13 +78,21 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     return Replay(residual, centre, energy, work, contact_work, fists, displacement)
 
 
-def energy_error_share(run: Replay) -> float:
+def _points(placement: pin.SE3, local: Matrix) -> Matrix:
+    """Points (k, 3) of a frame in the world."""
+    return np.asarray(local @ placement.rotation.T + placement.translation)
+
+
+def energy_error_share(runs: list[Replay]) -> float:
     """Power balance: |energy change - actuator work - contact work| over the work done, at its worst.
 
-    The error accumulates over the run and is divided by the sum of the absolute work, so that it is
-    a share of what went through the body; it vanishes with the time step (first order).
+    The error accumulates over a run; the largest of each run are added up and divided by the sum of the
+    absolute work, so that it is a share of what went through the body. It vanishes with the time step
+    (first order).
     """
-    work = run.actuator_work_j + run.contact_work_j
-    turnover = np.abs(run.actuator_work_j).sum() + np.abs(run.contact_work_j).sum()
-    error = np.abs(run.energy_j[1:] - run.energy_j[0] - np.cumsum(work)).max()
-    return float(error / turnover) if turnover > 0 else 0.0
+    errors, turnover = [], 0.0
+    for run in runs:
+        work = run.actuator_work_j + run.contact_work_j
+        errors.append(np.abs(run.energy_j[1:] - run.energy_j[0] - np.cumsum(work)).max())
+        turnover += np.abs(run.actuator_work_j).sum() + np.abs(run.contact_work_j).sum()
+    return 0.0 if turnover == 0 else float(np.sum(errors) / turnover)

@@ -76,7 +76,7 @@ def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step
     """How much of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
 
     It rises with the first `SWITCH_S` of the phase it begins with and falls with those of the phase
-    that follows its last.
+    that follows its last, or with all of a phase that is shorter.
     """
     if set(during) == set(PHASES):
         return None
@@ -85,8 +85,9 @@ def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step
     for phase in phases:
         active = phase.name in during
         if active != before:
-            times: Vector = np.arange(phase.stop - phase.start) * np.float64(time_step_s)
-            rise = minimum_jerk(times / SWITCH_S)[0]
+            ticks = phase.stop - phase.start
+            times: Vector = np.arange(1, ticks + 1) * np.float64(time_step_s)
+            rise = minimum_jerk(times / min(SWITCH_S, ticks * time_step_s))[0]
             share[phase.start : phase.stop] = rise if active else 1 - rise
         before = active
     return share

@@ -22,7 +22,7 @@ from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.coordinates import Coordinates
 from fatigue_planner.motion.tasks.hand import HandTask
-from fatigue_planner.motion.tasks.joint_posture import PostureTask
+from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.registry import Preference
 
 Vector = NDArray[np.float64]
@@ -64,7 +64,7 @@ class _Body:
         }  # fmt: skip
         x, y, _ = (float(value) for value in state.centre_of_mass().position_m)
         balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
-        posture = PostureTask(weights.posture, stiffness.posture, self.human.stance[7:])
+        posture = WholePosture(weights.posture, stiffness.posture, self.human.stance[7:])
         preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
         self.first_preferred = 1 + len(self.hands)
         self.controller = WholeBodyController(
@@ -90,17 +90,20 @@ class Simulator:
         self.forces = forces_of(request.action, self.ticks, dt)
         shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
-        home = _Body(request, self.runs[0])
+        self.body = _Body(request, self.runs[0])
         self.references = {
-            side: hand_reference(home.fist(side), goal, self.phases, dt)
+            side: hand_reference(self.body.fist(side), goal, self.phases, dt)
             for side, goal in request.action.goals().items()
         }
-        self.take_up(self.runs[0])
+        self._hand_over()
         self.configuration, self.velocity = self.body.human.stance.copy(), np.zeros(self.body.human.model.nv)
 
     def take_up(self, run: Run) -> None:
         """Change the masses in the hands."""
         self.body = _Body(self.request, run)
+        self._hand_over()
+
+    def _hand_over(self) -> None:
         for side, task in self.body.hands.items():
             task.reference = self.references[side]
 

@@ -26,24 +26,40 @@ Matrix = NDArray[np.float64]
 PRESSING_N = 1.0
 
 
+# The arrays of a motion, one row per tick.
+ROWS = (
+    "configuration", "velocity", "acceleration", "torque_nm", "wrench", "hand_force_n", "hand_error_m", "eased_radps2"
+)  # fmt: skip
+
+
+class MismatchError(ValueError):
+    """A motion is not of the shape its settings describe."""
+
+
 @dataclass(frozen=True)
 class _HandErrors:
-    """The largest distance (m) and turn (rad) of a fist from its reference during work."""
+    """The largest distance (m) and turn (rad) of a fist from its reference during work; and how far the
+    distances recorded over the whole cycle are from these.
+    """
 
     distance_m: float
     turn_rad: float
+    recorded_m: float
 
 
 def measure(request: MotionRequest, motion: Motion) -> Quality:
     """Recompute every check from the stored arrays with Pinocchio's own algorithms.
 
     The equation of motion is evaluated by the recursive Newton-Euler algorithm, which the controller
-    does not use. NaN anywhere makes the checks it touches NaN, which no bound accepts.
+    does not use. Values that are not finite are counted, and no bound accepts what they make of a check.
+    Raises MismatchError if the motion has another shape than the request asks for.
     """
-    runs = runs_of(request.tool, request.action, phases_of(request.cycle, motion.time_step_s))
+    _check_shape(request, motion)
+    runs = runs_of(request.tool, request.action, motion.phases)
     bodies = [build_human(request.worker, run.right_kg, run.left_kg) for run in runs]
     # where a mass is taken up or put down, the body changes and a new run begins
     replays = [replay(body, motion, range(run.start, run.stop)) for body, run in zip(bodies, runs, strict=True)]
+    fists = [both for run in replays for both in run.fists]
     human = bodies[0]
     factor = request.controller.torque_limit_factor
     positive, negative = (factor * torque for torque in request.maximum_torque.vectors())
@@ -56,25 +72,28 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     normal = forces[:, 2]
     pressing = np.maximum(normal, PRESSING_N)
     tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
-    off_centre = (tipping / pressing[:, None]).max(axis=1)
-    hands = _hand_errors(request, motion, [fists for run in replays for fists in run.fists])
+    hands = _hand_errors(request, motion, fists)
     saturated = saturation(motion.torque_nm[motion.phase("work")], positive, negative)
     eased = np.abs(motion.eased_radps2).max(axis=1)
+    # np.max, not max: a NaN must win
     return Quality(
-        equation_of_motion_nm=float(max(np.abs(run.residual_nm).max() for run in replays)),
+        not_finite=int(sum((~np.isfinite(getattr(motion, name))).sum() for name in ROWS)),
+        record_error=float(
+            np.max([_integration_error(human, motion), _force_error(request, motion, fists), hands.recorded_m])
+        ),
+        equation_of_motion_nm=float(np.max([np.abs(run.residual_nm).max() for run in replays])),
         friction_violation_n=float((np.hypot(forces[:, 0], forces[:, 1]) - friction * normal).max()),
         unilateral_violation_n=float((-normal).max()),
-        centre_of_pressure_violation_m=float(off_centre.max()),
+        centre_of_pressure_violation_m=float((tipping / pressing[:, None]).max()),
         wrench_cone_violation=float((forces @ wrench_cone(length, breadth, friction).T).max()),
         torque_violation_nm=float(np.maximum(motion.torque_nm - positive, -motion.torque_nm - negative).max()),
         position_violation_rad=float(
             np.maximum(joints - model.upperPositionLimit[7:], model.lowerPositionLimit[7:] - joints).max()
         ),
         velocity_violation_radps=float((np.abs(speeds) - request.controller.velocity_limit_radps).max()),
-        centre_of_mass_violation_m=max(_outside_support(human, run.centre_of_mass_m) for run in replays),
-        energy_error_share=max(energy_error_share(run) for run in replays),
-        foot_displacement_m=float(max(run.sole_displacement_m.max() for run in replays)),
-        hand_force_error_n=_force_error(request, motion, [fists for run in replays for fists in run.fists]),
+        centre_of_mass_violation_m=float(np.max([_outside_support(human, run.centre_of_mass_m) for run in replays])),
+        energy_error_share=energy_error_share(replays),
+        foot_displacement_m=float(np.max([run.sole_displacement_m.max() for run in replays])),
         work_hand_error_m=hands.distance_m,
         work_hand_turn_rad=hands.turn_rad,
         saturated_share=saturated.share,
@@ -84,22 +103,48 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     )
 
 
+def _check_shape(request: MotionRequest, motion: Motion) -> None:
+    """Raise MismatchError unless time step, phases and the lengths of all arrays are those of the request."""
+    step = request.controller.time_step_s
+    phases = phases_of(request.cycle, step)
+    lengths = {len(getattr(motion, name)) for name in ROWS}
+    if motion.time_step_s != step or motion.phases != phases or lengths != {phases[-1].stop}:
+        raise MismatchError("the motion has another time step, other phases or another length than its settings say")
+
+
+def _integration_error(human: Human, motion: Motion) -> float:
+    """How far the motion is from starting at rest in the stance and following its own accelerations."""
+    model, step = human.model, motion.time_step_s
+    velocity = motion.velocity[:-1] + step * motion.acceleration[:-1]
+    ahead = [pin.integrate(model, q, step * v) for q, v in zip(motion.configuration[:-1], velocity, strict=True)]
+    parts = (
+        motion.configuration[0] - human.stance,
+        motion.velocity[0],
+        motion.velocity[1:] - velocity,
+        motion.configuration[1:] - np.array(ahead),
+    )
+    return float(np.max([np.abs(part).max() for part in parts]))
+
+
 def _hand_errors(request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]) -> _HandErrors:
     human = build_human(request.worker)
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, human.stance)
-    distance = turn = 0.0
+    distances, turn = [], 0.0
     work = motion.phase("work")
     for side, goal in request.action.goals().items():
         grip = data.oMf[human.model.getFrameId(f"{side}_grip")]
         wanted = hand_reference(Pose(grip.translation, grip.rotation), goal, motion.phases, motion.time_step_s)
-        for tick in range(work.start, work.stop):
-            fist = fists[tick][SIDES.index(side)]
-            # a NaN must win: max() would lose it
-            distance = np.maximum(distance, np.linalg.norm(fist.translation - wanted.position_m[tick]))
-            if goal.turned():
-                turn = np.maximum(turn, np.linalg.norm(pin.log3(wanted.rotation[tick] @ fist.rotation.T)))
-    return _HandErrors(float(distance), float(turn))
+        own = [both[SIDES.index(side)] for both in fists]
+        distances.append(np.linalg.norm([fist.translation for fist in own] - wanted.position_m, axis=1))
+        if goal.turned():
+            turns = [
+                np.linalg.norm(pin.log3(wanted.rotation[i] @ own[i].rotation.T)) for i in range(*work.indices(len(own)))
+            ]
+            turn = np.maximum(turn, np.max(turns))
+    largest = np.max(distances, axis=0)
+    recorded = float(np.abs(motion.hand_error_m - largest).max())
+    return _HandErrors(float(largest[work].max()), float(turn), recorded)
 
 
 def _force_error(request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]) -> float:

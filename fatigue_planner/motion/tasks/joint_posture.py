@@ -12,17 +12,16 @@ from fatigue_planner.motion.settings import Stiffnesses
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
 
 
-class PostureTask(Task):
-    """Draw all joints to a posture; its Jacobian is the identity, so it writes only the target."""
+class WholePosture:
+    """Draw all joints to a posture. No Task: its Jacobian is the identity, which the controller adds by itself."""
 
     def __init__(self, weight: float, stiffness: float, posture_rad: Vector) -> None:
-        super().__init__(len(posture_rad), weight, stiffness)
-        self.posture_rad = posture_rad
+        self.weight, self.stiffness, self.posture_rad = weight, stiffness, posture_rad
 
-    def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
-        """See Task.evaluate; `jacobian` is left as it is."""
+    def target(self, state: BodyState) -> Vector:
+        """The joint accelerations wanted, (39,)."""
         error = self.posture_rad - state.configuration[7:]
-        target[:] = self.stiffness * error - self.damping * state.velocity[BASE_DOF:]
+        return np.asarray(self.stiffness * error - 2 * np.sqrt(self.stiffness) * state.velocity[BASE_DOF:])
 
 
 class JointPostureTask(Task):
