@@ -51,6 +51,7 @@ test-all: lint
 bench: $(VENV)/.development
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/placo/compare.py
+	$(BIN)/python benchmarks/convergence.py
 	$(BIN)/python benchmarks/gains.py
 
 clean:

@@ -95,7 +95,7 @@ def digest_of_files(paths: Iterable[Path]) -> str:
 
 
 @cache
-def digest_of_package(*folders: str) -> str:
-    """SHA-256, in hex, of the source and data files of sub-packages of fatigue_planner."""
-    files = [path for folder in folders for path in (PACKAGE / folder).rglob("*") if path.suffix in {".py", ".yaml"}]
-    return digest_of_files(files)
+def digest_of_package(*parts: str) -> str:
+    """SHA-256, in hex, of the source and data files of sub-packages and modules of fatigue_planner."""
+    below = [path for part in parts for path in (PACKAGE / part).rglob("*") if path.suffix in {".py", ".yaml"}]
+    return digest_of_files([*below, *(PACKAGE / part for part in parts if part.endswith(".py"))])

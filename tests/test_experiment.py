@@ -77,7 +77,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("threshold: 0.1 ", "threshold: 10 ", "fatigue.threshold = 10: input should be less than 1."),
         ("discount: 0.95", "discount: 1.5", "discount = 1.5: input should be less than or equal to 1."),
         ("{probability: 0.2}", "{probability: 0.3}", "initial_beliefs.multiple: probabilities sum to 1.1, not to 1."),
-        ("lumbar_flexion: 0.5", "back: 0.5", "fatigue: unknown joint 'back'"),
+        ("lumbar_flexion: 0.5", "back: 0.5", "initial_beliefs.multiple.1.fatigue: unknown joint 'back'"),
         ("lumbar_flexion: 0.5", "lumbar_flexion: 1.5", "initial_beliefs.multiple.1.fatigue.lumbar_flexion = 1.5: "),
         ("expertise: .inf", "expertise: -1", "benchmark.conditions.single_expert.expertise = -1: "),
         ("expertise: .inf", "expertise: .nan", "benchmark.conditions.single_expert.expertise = nan: "),

@@ -11,14 +11,16 @@ from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import build_human
 from fatigue_planner.motion.contact import wrench_cone
+from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
 from fatigue_planner.motion.limits import acceleration_bounds
 from fatigue_planner.motion.loads import HandForce, TimedForce
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
+from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle
-from fatigue_planner.motion.simulator import Simulator, _Body, simulate
-from fatigue_planner.motion.verification import measure
+from fatigue_planner.motion.simulator import MotionRequest, Simulator, _Body, simulate
+from fatigue_planner.motion.verification import ROWS, MismatchError, measure
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -307,13 +309,18 @@ def test_limits_that_contradict_each_other_give_way_a_little_and_say_so(paper: E
     request = replace(request, controller=slow, cycle=Cycle(reach_s=2.5, work_s=1.0, return_s=2.5))
     motion = simulate(request)
     quality = measure(request, motion)
-    assert 0 < quality.eased_ticks < 20 and 0 < quality.eased_radps2 < 2
+    assert 0 < quality.eased_ticks < 30 and 0 < quality.eased_radps2 < 5
     assert (motion.eased_radps2 != 0).any(axis=1).sum() == quality.eased_ticks
     assert quality.equation_of_motion_nm < 1e-8 and quality.torque_violation_nm < 1e-6
     loose = {"hand_error_m": 0.02, "eased_position_rad": 0.02}
     assert quality.verdict(paper.accuracy.model_copy(update=loose)) == "degraded"
     assert f"at {quality.eased_ticks} ticks, by up to" in quality.degradation()
-    assert quality.verdict(paper.accuracy.model_copy(update=loose | {"eased_position_rad": 1e-4})) == "failed"
+    assert (
+        quality.verdict(
+            paper.accuracy.model_copy(update=loose | {"eased_position_rad": quality.position_violation_rad / 2})
+        )
+        == "failed"
+    )
 
 
 def test_an_answer_nearly_right_is_polished() -> None:
@@ -408,3 +415,78 @@ def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
         assert np.abs(ours.offset - theirs.offset).max() < 0.01 * theirs.offset.max()
         order = np.log2(reaction.quality.energy_error_share / measure(finer, motion).energy_error_share)
         assert 0.9 < order < 1.1
+
+
+def at_work(paper: Experiment) -> tuple[MotionRequest, Motion]:
+    """A motion with the tool held at work only: three runs of different masses."""
+    from dataclasses import replace
+
+    request = reaction_requests(paper)[0].motion
+    short = Cycle(reach_s=2.0, work_s=1.0, return_s=2.0)
+    request = replace(request, cycle=short, tool=request.tool.model_copy(update={"held": "work"}))
+    return request, simulate(request)
+
+
+def test_the_tool_held_at_work_only_keeps_every_bar(paper: Experiment) -> None:
+    """The energy error of a run that stands still counts against the whole cycle's work, not its own."""
+    from dataclasses import replace
+
+    for request in reaction_requests(paper)[1:2]:
+        lent = replace(request.motion, tool=request.motion.tool.model_copy(update={"held": "work"}))
+        assert measure(lent, simulate(lent)).faults(paper.accuracy) == []
+
+
+def test_nan_in_any_array_and_any_run_never_passes(paper: Experiment) -> None:
+    from dataclasses import replace
+
+    request, motion = at_work(paper)
+    loose = paper.accuracy.model_copy(update={"hand_error_m": 0.05})
+    assert measure(request, motion).faults(loose) == []
+    for name in ROWS:
+        for tick in (50, 250, 450):
+            array = getattr(motion, name).copy()
+            array[tick, ...] = np.nan
+            faults = measure(request, replace(motion, **{name: array})).faults(loose)
+            assert any("not_finite" in fault for fault in faults), (name, tick)
+
+
+def test_a_motion_that_is_none_is_found(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """Balanced torques are not enough: poses strung together, another start, turned feet, noted errors."""
+    from dataclasses import replace
+
+    request, motion = reaction_requests(paper)[0].motion, reactions[0].motion
+
+    def error(**arrays: np.ndarray) -> float:
+        return measure(request, replace(motion, **arrays)).record_error
+
+    assert measure(request, motion).record_error < 1e-9
+    jumped = motion.configuration.copy()
+    jumped[800:] = jumped[801]
+    assert error(configuration=jumped) > 1e-3
+    assert error(velocity=np.zeros_like(motion.velocity)) > 1e-3
+    assert error(hand_error_m=motion.hand_error_m / 2) > 1e-5
+    assert error(hand_force_n=motion.hand_force_n + 1) == pytest.approx(1)
+    turned = motion.configuration.copy()
+    turn = pin.SE3(pin.rpy.rpyToMatrix(0, np.radians(2), 0), np.zeros(3))
+    for row in turned:
+        row[:7] = pin.SE3ToXYZQUAT(turn * pin.XYZQUATToSE3(row[:7]))
+    assert measure(request, replace(motion, configuration=turned)).foot_displacement_m > 0.004
+    with pytest.raises(MismatchError, match="other phases or another length"):
+        measure(
+            request, replace(motion, phases=(Phase("reach", 0, 10), Phase("work", 10, 11), Phase("return", 11, 1600)))
+        )
+    with pytest.raises(MismatchError):
+        measure(request, replace(motion, torque_nm=motion.torque_nm[:-1]))
+
+
+def test_limits_give_way_as_little_as_they_can(paper: Experiment) -> None:
+    """Of two bounds that exclude each other by 4, with weights against it: each gives way by 2, no more."""
+    program = QuadraticProgram(2, 1, "daqp")
+    program.H[:], program.g[:] = np.eye(2) * 1e3, [-1e6, 1e6]
+    program.A[:], program.row_lower[:], program.row_upper[:] = [[1, 1]], 10, 10
+    program.lower[:], program.upper[:] = [-np.inf, -np.inf], [3, 3]
+    assert program.solve() is None
+    both = np.arange(2)
+    slack = smallest_slack(program, both, np.arange(0), np.ones(2))
+    np.testing.assert_allclose(slack, [2, 2], atol=1e-4)
+    np.testing.assert_allclose(solve_eased(program, both, slack), [5, 5], atol=1e-4)

@@ -247,6 +247,9 @@ def test_two_names_of_the_same_reaction_are_simulated_once(brief: Experiment, tm
     twice = brief.model_copy(update={"actions": {"high": brief.actions["high"], "top": brief.actions["high"]}})
     _, path, outcomes = complete(twice, tmp_path)
     assert [str(outcome.name) for outcome in outcomes] == ["average_man/high/arm", "average_man/top/arm"]
+    before = path.stat().st_mtime_ns
+    complete(twice, tmp_path)
+    assert path.stat().st_mtime_ns == before  # nothing to do, nothing written
     first, second = read_library(path)
     assert first.digest == second.digest and first.name != second.name
     np.testing.assert_array_equal(first.motion.torque_nm, second.motion.torque_nm)
@@ -287,3 +290,37 @@ def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[R
     strange = replace(reactions[0], settings={**reactions[0].settings, "action": {"position": 1}})
     write_reaction(path, strange)
     assert "not those of this version" in audit((path, forged.name)).reason
+
+
+def test_two_runs_at_once_end_well(brief: Experiment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While one run assembles its library, another has published the same and taken the parts away."""
+    import fatigue_planner.reactions.cache as module
+
+    real = module.assemble_library
+
+    def overtaken(path: Path, sources: list[Source]) -> None:
+        real(path, sources)
+        for source in sources:
+            source.path.unlink()
+        real(path, sources)
+
+    monkeypatch.setattr(module, "assemble_library", overtaken)
+    _, path, outcomes = complete(brief, tmp_path)
+    assert outcomes[0].verdict == "ok" and len(tuple(read_library(path))) == 1
+
+
+def test_settings_that_do_not_fit_the_digest_are_refused(brief: Experiment, tmp_path: Path) -> None:
+    _, path, _ = complete(brief, tmp_path)
+    (reaction,) = read_library(path)
+    settings = dict(reaction.settings) | {"accuracy": {**reaction.settings["accuracy"], "hand_error_m": 9.0}}
+    write_reaction(path, replace(reaction, settings=settings))
+    with pytest.raises(DamagedFileError, match="has other settings than its digest says"):
+        load_reactions(brief, tmp_path, "fatplan simulate")
+
+
+def test_audit_finds_a_motion_longer_than_its_settings_say(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+    motion = reactions[0].motion
+    rows = {name: np.concatenate([getattr(motion, name)] * 2) for name in ARRAYS}
+    write_reaction(tmp_path / f"{'1' * 16}.h5", replace(reactions[0], motion=replace(motion, **rows)))
+    found = audit((tmp_path / f"{'1' * 16}.h5", reactions[0].name))
+    assert found.verdict == "failed" and "another length" in found.reason

@@ -159,10 +159,12 @@ def test_tasks_come_and_go_with_their_phases() -> None:
     share = share_of(("work",), phases, 0.01)
     ramp = round(SWITCH_S / 0.01)
     assert (share[:200] == 0).all() and (share[200 + ramp : 300] == 1).all() and (share[300 + ramp :] == 0).all()
-    assert share[200 + ramp // 2] == pytest.approx(0.5) == share[300 + ramp // 2]
+    assert share[199 + ramp // 2] == pytest.approx(0.5) == share[299 + ramp // 2]
     assert np.abs(np.diff(share)).max() < 0.04
     begin = share_of(("reach", "work"), phases, 0.01)
-    assert begin[0] == 0 and (begin[ramp:300] == 1).all() and begin[-1] == 0
+    assert begin[0] < 1e-4 and (begin[ramp:300] == 1).all() and begin[-1] == 0
+    brief = share_of(("work",), phases_of(Cycle(reach_s=0.2, work_s=0.3, return_s=0.2), 0.01), 0.01)
+    assert np.abs(np.diff(brief)).max() < 0.1 and brief.max() == 1 and brief[-1] == 0
 
 
 def test_every_kind_of_task_does_what_it_says(request_: MotionRequest) -> None:
@@ -233,6 +235,14 @@ def test_pose_grid_is_what_its_file_says() -> None:
     assert (last.position_m.x, last.position_m.y, last.position_m.z, last.orientation_deg.y) == (0.5, -0.2, 1.3, -90)
 
 
+def test_names_of_a_grid_say_minus_and_leave_the_rest(tmp_path: Path) -> None:
+    text = (EXPERIMENTS / "pose_grid.yaml").read_text()
+    path = tmp_path / "mine.yaml"
+    path.write_text(text.replace("  rack: ", "  rack-left: ").replace("y: -0.2", "y: {from: -0.2, to: 0.0, count: 3}"))
+    names = list(load_experiment(path).actions)
+    assert len(names) == 75 and names[0] == "rack-left_x0.3_ym0.2_z0.5" and "rack-left_x0.3_y0_z0.5" in names
+
+
 def test_co_transport_lifts_with_both_hands() -> None:
     experiment = load_experiment(EXPERIMENTS / "co_transport.yaml")
     requests = {request.name.action: request for request in reaction_requests(experiment)}
@@ -294,7 +304,7 @@ def fault(tmp_path: Path, source: str, old: str, new: str) -> str:
          "preferences.arm.tasks.0.during.0 = 'rest': input should be 'reach', 'work' or 'return'."),
         ("pose_grid.yaml", "{kind: segment_upright, segment: thorax, weight: 1}",
          "{kind: joint_posture, weight: 1, angles_deg: {knee: 5}}",
-         "workers.average_man: preferences.arm.tasks.0.angles_deg: unknown degree of freedom 'knee'"),
+         "yaml: preferences.arm.tasks.0.angles_deg: unknown degree of freedom 'knee'"),
         ("pose_grid.yaml", "{kind: segment_upright, segment: thorax, weight: 1}",
          "{kind: segment_position, segment: pelvis, weight: 1, position_m: {}}",
          "preferences.arm.tasks.0.position_m: give at least one of x, y and z."),
@@ -315,6 +325,18 @@ def fault(tmp_path: Path, source: str, old: str, new: str) -> str:
          "benchmark.conditions.small_woman.worker: is missing; choose one of small_woman, average_woman"),
         ("workers.yaml", "{worker: small_woman, ", "{worker: giant, ",
          "benchmark.conditions.small_woman.worker: 'giant' is not one of small_woman"),
+        ("pose_grid.yaml", "count: 5}, y: -0.2, z: {from: 0.5, to: 1.3, count: 5}",
+         "count: 1000}, y: -0.2, z: {from: 0.5, to: 1.3, count: 1000}",
+         "actions.rack: its grid has 1000000 places; at most 10000 are allowed."),
+        ("pose_grid.yaml", "  rack: ", "  a_rack_with_a_name_of_thirty_letters: ", "makes names as long as a_rack"),
+        ("pose_grid.yaml", "time_step_s: 0.01", "time_step_s: 1e-7", "controller.time_step_s = 1e-07: input should be"),
+        ("pose_grid.yaml", "posture: 1}", "posture: 1e300}", "controller.weights.posture = 1e+300: input should be"),
+        ("pose_grid.yaml", "threshold: 0.1", "threshold: 0.1\n  joints: {nose: {}}", "fatigue.joints.nose: unknown"),
+        ("workers.yaml", "    right_hand:\n      position_m: {x: 0.5,",
+         "    position_m: {}\n    right_hand:\n      position_m: {x: 0.5,",
+         "actions.high.position_m: unknown key here; 'position_m' belongs elsewhere"),
+        ("workers.yaml", "    tasks:\n      - {kind", "    tasks: 5\n    more:\n      - {kind",
+         "preferences.arm.tasks = 5: should be a list."),
         ("workers.yaml", "sex: female", "sex: other", "workers.small_woman.sex = 'other'"),
     ],
 )  # fmt: skip

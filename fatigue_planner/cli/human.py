@@ -83,5 +83,5 @@ def _one_worker(settings: Experiment, wanted: str | None) -> str:
     """The worker named, or the only one. Raises SelectionError if there are several and none is named."""
     if wanted is None and len(settings.workers) > 1:
         raise SelectionError(f"--worker: is missing; choose one of {', '.join(settings.workers)}.")
-    (name,) = choose("workers", list(settings.workers), [wanted] if wanted else None)
+    (name,) = choose("worker", list(settings.workers), [wanted] if wanted else None)
     return name

@@ -19,9 +19,10 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
+from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.files import publish, publish_text
+from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.viewer.performance import Performance, performance_of
 from fatigue_planner.viewer.strip import strip
 
@@ -85,12 +86,10 @@ def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, comm
         talk().print(
             f"The first {MOST_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False
         )
-    reactions = load_reactions(settings, cache, command)
-    return [
-        performance_of(request, reaction)
-        for request, reaction in zip(requests, reactions, strict=True)
-        if str(request.name) in chosen
-    ]
+    shown = [request for request in requests if str(request.name) in chosen]
+    names = [request.name for request in shown]
+    reactions = ReactionCache(cache).stream(settings.name, requests, command, names)
+    return [performance_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
 
 
 def _check_times(times_s: Sequence[float], performances: Sequence[Performance]) -> None:

@@ -7,7 +7,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
 from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import Worker, build_human
+from fatigue_planner.human.model import Human, Worker, build_human
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.loads import HandForce
@@ -17,20 +17,23 @@ def check_meaning(experiment: Experiment) -> None:
     """Raise DataFileError, naming the key, for the first thing that cannot be."""
     for name, worker in experiment.workers.items():
         try:
-            _check_worker(experiment, worker)
+            human, strength = build_human(worker), maximum_torque(worker.strength)
         except DataFileError as error:
             raise DataFileError(f"workers.{name}: {error}") from error
-    for states in experiment.initial_beliefs.values():
-        for state in states:
-            fatigue_state(state.fatigue)
+        fatigue_parameters(experiment.fatigue, strength)
+        _check_preferences(experiment, human)
+    for name, states in experiment.initial_beliefs.items():
+        for place, state in enumerate(states):
+            try:
+                fatigue_state(state.fatigue)
+            except DataFileError as error:
+                raise DataFileError(f"initial_beliefs.{name}.{place}.{error}") from error
     for name, action in experiment.actions.items():
         _check_times(experiment, name, action)
         _check_reach(experiment, name, action)
 
 
-def _check_worker(experiment: Experiment, worker: Worker) -> None:
-    human = build_human(worker)
-    fatigue_parameters(experiment.fatigue, maximum_torque(worker.strength))
+def _check_preferences(experiment: Experiment, human: Human) -> None:
     state = BodyState(human)
     state.update(human.stance, np.zeros(human.model.nv))
     for name, preference in experiment.preferences.items():
@@ -63,8 +66,7 @@ def _check_reach(experiment: Experiment, name: str, action: Action) -> None:
         longest = _longest_reach_m(worker)
         for side, goal in action.goals().items():
             for waypoint in goal.path():
-                place = waypoint.position_m
-                distance = float(np.linalg.norm([place.x, place.y, place.z]))
+                distance = float(np.linalg.norm(waypoint.position_m.vector()))
                 if distance > longest:
                     raise DataFileError(
                         f"actions.{name}.{side}_hand.position_m: {distance:.2f} m from the feet; ankle, leg, trunk and "

@@ -1,21 +1,22 @@
 """Grids of poses: an action whose coordinates are ranges stands for one action per place of the grid."""
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
-from pydantic import ConfigDict, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.settings import Settings
 
 HANDS = ("right_hand", "left_hand")
+MOST_PLACES = 10_000
+LONGEST_NAME = 40  # of an action, in the schema
 
 
 class Range(Settings):
     """`count` evenly spaced coordinates in m, both ends among them."""
-
-    model_config = ConfigDict(validate_by_name=True, validate_by_alias=True)
 
     first: float = Field(alias="from")
     last: float = Field(alias="to")
@@ -23,14 +24,14 @@ class Range(Settings):
 
     def values(self) -> list[float]:
         """The coordinates, rounded to a hundredth of a millimetre."""
-        return [round(float(value), 5) for value in np.linspace(self.first, self.last, self.count)]
+        return [round(float(value), 5) + 0.0 for value in np.linspace(self.first, self.last, self.count)]
 
 
 def expand_grids(content: dict[str, Any]) -> dict[str, Any]:
     """The content of an experiment file with every grid of actions written out.
 
     Where a coordinate of a hand's position_m is a range {from, to, count}, the action becomes one action
-    per value, named after it: shelf_x0.4_z1.2. Ranges of the same axis in both hands must have the same
+    per value, named after it: shelf_x0.4_z1.2 (m for minus). Ranges of the same axis in both hands must have the same
     count: the hands move over the grid together. Raises ExperimentError for a faulty range.
     """
     actions = content.get("actions")
@@ -60,16 +61,20 @@ def _expand(key: str, name: str, action: Any) -> list[tuple[str, Any]]:
         if len({len(values) for values in hands.values()}) > 1:
             raise ExperimentError(f"{key}: the ranges of {axis} of both hands must have the same count.")
     counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
+    if (size := math.prod(map(len, counts))) > MOST_PLACES:
+        raise ExperimentError(f"{key}: its grid has {size} places; at most {MOST_PLACES} are allowed.")
     singles = []
     for places in itertools.product(*counts):
         single = dict(action)
         label = name
         for (axis, hands), place in zip(axes.items(), places, strict=True):
-            label += f"_{axis}{next(iter(hands.values()))[place]:g}"
+            label += f"_{axis}{next(iter(hands.values()))[place]:g}".replace("-", "m")
             for hand, values in hands.items():
                 goal = single[hand]
                 single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[place]}}
-        singles.append((label.replace("-", "m"), single))
+        if len(label) > LONGEST_NAME:
+            raise ExperimentError(f"{key}: its grid makes names as long as {label}; choose a shorter name.")
+        singles.append((label, single))
     return singles
 
 

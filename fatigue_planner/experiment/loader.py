@@ -38,35 +38,49 @@ def load_experiment(path: Path) -> Experiment:
     return experiment
 
 
+# pydantic's words for what a YAML file should have.
+_SHAPES = {
+    "dict_type": "should be a mapping of keys and values",
+    "model_type": "should be a mapping of keys and values",
+    "model_attributes_type": "should be a mapping of keys and values",
+    "tuple_type": "should be a list",
+    "union_tag_not_found": "needs a kind",
+}
+LONGEST_VALUE = 60
+
+
 def _describe(fault: ErrorDetails) -> str:
     place = _place(fault["loc"])
     value = fault["input"]
-    match fault["type"]:
-        case "extra_forbidden":
-            return f"{place}: unknown key{_did_you_mean(str(fault['loc'][-1]))}"
-        case "missing":
-            return f"{place}: is missing."
-        case "value_error":
-            return f"{place}: {fault['ctx']['error']}." if fault["loc"] else f"{fault['ctx']['error']}."
-        case _:
-            shown = f" = {value!r}" if isinstance(value, (str, int, float, bool, type(None))) else ""
-            return f"{place}{shown}: {fault['msg'][0].lower()}{fault['msg'][1:]}."
+    if fault["type"] == "extra_forbidden":
+        return f"{place}: unknown key{_did_you_mean(str(fault['loc'][-1]))}"
+    if fault["type"] == "missing":
+        return f"{place}: is missing."
+    if fault["type"] == "value_error":
+        return f"{place}: {fault['ctx']['error']}." if fault["loc"] else f"{fault['ctx']['error']}."
+    shown = ""
+    if isinstance(value, (str, int, float, bool, type(None))):
+        text = repr(value)
+        shown = f" = {text if len(text) <= LONGEST_VALUE else text[:LONGEST_VALUE] + '…'}"
+    message = _SHAPES.get(fault["type"], fault["msg"][0].lower() + fault["msg"][1:])
+    return f"{place}{shown}: {message}."
 
 
 def _place(location: tuple[int | str, ...]) -> str:
-    """The path of a key; behind a name with a `kind` pydantic adds the kind, which the file has not."""
+    """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
     parts = [str(part) for part in location]
     if parts[:2] == ["benchmark", "policies"]:
         del parts[3:4]
-    for holder in ("tasks", "loads"):
-        if holder in parts:
-            place = parts.index(holder) + 2
-            del parts[place : place + 1]
+    # preferences.<name>.tasks.<number>.<kind>..., actions.<name>.loads.<number>.<kind>...
+    if (parts[0:1], parts[2:3]) in ((["preferences"], ["tasks"]), (["actions"], ["loads"])):
+        del parts[4:5]
     return ".".join(parts) or "the file"
 
 
 def _did_you_mean(key: str) -> str:
-    known = {field for model in _all_settings(Settings) for field in model.model_fields}
+    known = {field.alias or name for model in _all_settings(Settings) for name, field in model.model_fields.items()}
+    if key in known:
+        return f" here; {key!r} belongs elsewhere, see experiments/paper.yaml."
     close = difflib.get_close_matches(key, sorted(known), n=1)
     return f"; did you mean {close[0]!r}?" if close else "."
 

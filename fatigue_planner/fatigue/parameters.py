@@ -58,8 +58,9 @@ def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> Fa
         "threshold": settings.threshold * ones,
     }
     for name, own in settings.joints.items():
+        places = _places(name, f"fatigue.joints.{name}")
         for key, value in own.model_dump(exclude_none=True).items():
-            rates[key][_places(name, f"fatigue.joints.{name}")] = value
+            rates[key][places] = value
     return FatigueParameters(
         fatigue_rate=rates["fatigue_rate_per_s"],
         recovery_rate=rates["recovery_rate_per_s"],

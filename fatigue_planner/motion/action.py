@@ -8,7 +8,7 @@ import pinocchio as pin
 from pydantic import Field, model_validator
 
 from fatigue_planner.motion.loads import Load
-from fatigue_planner.motion.minimum_jerk import Matrix, Pose
+from fatigue_planner.motion.minimum_jerk import Matrix, Pose, Vector
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.settings import Settings
 
@@ -19,6 +19,10 @@ class Position(Settings):
     x: float = Field(ge=-3, le=3)
     y: float = Field(ge=-3, le=3)
     z: float = Field(ge=0, le=3)
+
+    def vector(self) -> Vector:
+        """The point as (3,) m."""
+        return np.array([self.x, self.y, self.z])
 
 
 class Orientation(Settings):
@@ -46,9 +50,8 @@ class Waypoint(Settings):
 
     def pose(self, otherwise: Pose) -> Pose:
         """The pose; where the orientation is free, that of `otherwise`."""
-        place = np.array([self.position_m.x, self.position_m.y, self.position_m.z])
         turn = self.orientation_deg.rotation() if self.orientation_deg else otherwise.rotation
-        return Pose(place, turn)
+        return Pose(self.position_m.vector(), turn)
 
 
 class HandGoal(Settings):

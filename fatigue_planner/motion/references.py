@@ -10,7 +10,7 @@ from fatigue_planner.motion.motion import Phase
 def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float) -> Trajectory:
     """From home to the first waypoint, along the waypoints, and home again: minimum jerk, from rest to rest.
 
-    A waypoint is held until the next leg begins; the last one until the work is over.
+    The last waypoint is held until the work is over.
     """
     reach, work, back = phases
     path = goal.path()

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from fatigue_planner.settings import Settings
 
-Positive = Annotated[float, Field(gt=0)]
+Positive = Annotated[float, Field(gt=0, le=1e9)]
 # A phase lasts at least some ticks of the longest time step, at most ten minutes.
 Duration = Annotated[float, Field(ge=0.1, le=600)]
 
@@ -62,7 +62,7 @@ class Regularisation(Settings):
 class Controller(Settings):
     """Settings of the whole-body quadratic program."""
 
-    time_step_s: float = Field(gt=0, le=0.02)
+    time_step_s: float = Field(ge=1e-4, le=0.02)
     solver: Literal["daqp", "qpoases"]
     weights: Weights
     stiffness_per_s2: Stiffnesses

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fatigue_planner.errors import DamagedFileError
 from fatigue_planner.motion.quality import Verdict
-from fatigue_planner.motion.verification import measure
+from fatigue_planner.motion.verification import MismatchError, measure
 from fatigue_planner.reactions.library import read_reaction
 from fatigue_planner.reactions.reaction import ReactionName, request_of
 
@@ -32,9 +32,12 @@ def audit(place: tuple[Path, ReactionName]) -> Audit:
         request = request_of(name, reaction.settings)
     except DamagedFileError as error:
         return Audit(path, name, "failed", str(error), damaged=True)
-    except (ValueError, KeyError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         return Audit(path, name, "failed", f"its settings are not those of this version ({error})")
-    quality = measure(request.motion, reaction.motion)
+    try:
+        quality = measure(request.motion, reaction.motion)
+    except MismatchError as error:
+        return Audit(path, name, "failed", str(error))
     faults = quality.faults(request.accuracy)
     stored = asdict(reaction.quality)
     faults += [

@@ -6,7 +6,7 @@ held in memory longer than it takes to check and copy it, however large the libr
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -60,8 +60,14 @@ class ReactionCache:
         finished, partial = (sorted(folder.glob("*.h5")) for folder in (self.folder, self.folder / PARTIAL))
         return [path for path in (*finished, *partial) if _LIBRARY_NAME.fullmatch(path.name)]
 
-    def stream(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> Iterator[Reaction]:
-        """The reactions of a finished library one by one, in the order of the requests.
+    def stream(
+        self,
+        experiment: str,
+        requests: Sequence[ReactionRequest],
+        how: str,
+        chosen: Container[ReactionName] | None = None,
+    ) -> Iterator[Reaction]:
+        """The reactions of a finished library one by one, all or those chosen, in the order of the requests.
 
         `how` is the command that makes the library, for the message. Raises MissingLibraryError if
         there is none, DamagedFileError if it is not what was written or holds other reactions.
@@ -70,11 +76,14 @@ class ReactionCache:
         if not path.exists():
             raise MissingLibraryError(f"{path}: no reactions for this experiment's settings. Run `{how}` first.")
         try:
-            stored = names_in(path)
-            if stored != {request.name: request.digest for request in requests}:
+            if not _holds(path, requests):
                 raise DamagedFileError(f"{path}: holds other reactions than its name says.")
             for request in requests:
-                yield read_reaction(path, request.name)
+                if chosen is None or request.name in chosen:
+                    reaction = read_reaction(path, request.name)
+                    if reaction.settings != request.settings:
+                        raise DamagedFileError(f"{path}: {request.name} has other settings than its digest says.")
+                    yield reaction
         except DamagedFileError as error:
             raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
 
@@ -103,8 +112,12 @@ class ReactionCache:
             progress(outcome)
         ordered = [replace(outcomes[request.digest], name=request.name) for request in requests]
         if all(outcome.verdict != "failed" for outcome in ordered):
-            if any(places[digest] != (path, request.name) for digest, request in by_digest.items()):
-                assemble_library(path, [Source(r.name, r.digest, *places[r.digest]) for r in requests])
+            if not _holds(path, requests):
+                try:
+                    assemble_library(path, [Source(r.name, r.digest, *places[r.digest]) for r in requests])
+                except FileNotFoundError:  # another run has published the same library and tidied up
+                    if not _holds(path, requests):
+                        raise
             for outcome in ordered:
                 self._partial(outcome.digest).unlink(missing_ok=True)
         return path, ordered
@@ -134,6 +147,11 @@ class ReactionCache:
             places |= {digest: (path, name) for digest, name in here.items()}
             outcomes |= found
         return places, outcomes
+
+
+def _holds(path: Path, requests: Sequence[ReactionRequest]) -> bool:
+    """Whether a library is there and names just these reactions."""
+    return path.exists() and names_in(path) == {request.name: request.digest for request in requests}
 
 
 def _found(reaction: Reaction) -> Outcome:

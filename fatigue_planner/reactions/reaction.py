@@ -12,8 +12,8 @@ from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.motion.simulator import MotionRequest
 
-# What produces the numbers of a motion besides its settings.
-SOURCES = ("human", "motion")
+# What produces the numbers of a motion besides its settings: folders and modules of this package.
+SOURCES = ("human", "motion", "settings.py", "yaml_reader.py", "compiled.py")
 NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba")
 
 

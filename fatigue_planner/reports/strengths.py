@@ -80,6 +80,6 @@ def sets_section() -> str:
             "## Strength sets",
             table(["set", "who", *(f"{name}, N·m" for name in SHOWN)], rows),
             "Each file of `human/data/strengths` names a source for each number, and whether it was read, recalled, "
-            "computed or assumed. `worker.strength` selects a set or a file of your own.",
+            "computed or assumed. A worker's `strength` selects a set or a file of your own.",
         ]
     )

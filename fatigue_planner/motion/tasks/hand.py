@@ -70,7 +70,7 @@ class Hand(PreferenceTask):
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""
         place, turn = self.position_m, self.orientation_deg
-        position = np.array([place.x, place.y, place.z]) if place else np.zeros(3)
+        position = place.vector() if place else np.zeros(3)
         parts = slice(0 if place else 3, 6 if turn else 3)
         pose = Pose(position, turn.rotation() if turn else np.eye(3))
         frame = state.frame(f"{self.hand}_grip")
