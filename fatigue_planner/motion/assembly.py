@@ -1,4 +1,4 @@
-"""Writing the quadratic program of a tick: plain sums of products, compiled."""
+"""Writing the quadratic program of a tick, and checking limits left out of it: plain sums of products, compiled."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,3 +67,20 @@ def assemble(
         g[_BASE + j] -= posture_weight * posture_target[j]
     for i in range(wrenches):
         H[nv + i, nv + i] += wrench_scale[i]
+
+
+@compiled
+def within_limits(torque: Vector, lowest: Vector, highest: Vector, cone: Matrix, wrenches: Vector) -> bool:
+    """Whether torques (39,) are between their limits and every wrench (6 per sole) is in its cone, G w <= 0."""
+    for joint in range(len(torque)):
+        if not lowest[joint] <= torque[joint] <= highest[joint]:
+            return False
+    rows, size = cone.shape
+    for sole in range(len(wrenches) // size):
+        for row in range(rows):
+            total = 0.0
+            for part in range(size):
+                total += cone[row, part] * wrenches[sole * size + part]
+            if not total <= 0:
+                return False
+    return True

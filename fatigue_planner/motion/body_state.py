@@ -38,6 +38,7 @@ class BodyState:
         self.data = human.model.createData()
         self.configuration = human.stance.copy()
         self.velocity: Vector = np.zeros(human.model.nv)
+        self._gravity: Vector = human.model.gravity.linear.copy()
         self._no_acceleration: Vector = np.zeros(human.model.nv)
         self.mass_matrix: Matrix = self.data.M
         self.unforced_effects: Vector = self.data.nle
@@ -85,10 +86,9 @@ class BodyState:
         acceleration at a = 0 is R h_lin / m + g.
         """
         base = self.data.oMi[1]
-        gravity = self.model.gravity.linear
         return CentreOfMassState(
             *_centre_of_mass(
-                self.mass_matrix, self.unforced_effects, base.rotation, base.translation, gravity, self.velocity
+                self.mass_matrix, self.unforced_effects, base.rotation, base.translation, self._gravity, self.velocity
             )
         )
 

@@ -4,6 +4,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from fatigue_planner.compiled import compiled
 from fatigue_planner.motion.body_state import BodyState
 
 Vector = NDArray[np.float64]
@@ -47,5 +48,14 @@ class SoleContact:
 
     def required_acceleration(self, state: BodyState, jacobian: Matrix) -> Vector:
         """Right-hand side of J a = ... (6,) that keeps (and returns) the sole in place; J (6, 45) in its axes."""
-        feedback = self.stiffness * self.displacement(state) + self.damping * (jacobian @ state.velocity)
-        return np.asarray(-feedback - state.local_drift(self.frame))
+        moved, drift = self.displacement(state), state.local_drift(self.frame)
+        required: Vector = _required(moved, jacobian, state.velocity, drift, self.stiffness, self.damping)
+        return required
+
+
+@compiled
+def _required(
+    displacement: Vector, jacobian: Matrix, velocity: Vector, drift: Vector, stiffness: float, damping: float
+) -> Vector:
+    """-K_p e - K_d J v - drift."""
+    return -stiffness * displacement - damping * (jacobian @ velocity) - drift

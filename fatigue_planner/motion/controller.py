@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
-from fatigue_planner.motion.assembly import assemble
+from fatigue_planner.motion.assembly import assemble, within_limits
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
@@ -138,34 +138,30 @@ class WholeBodyController:
         """
         self._fill_free_program()
         solution = solve_either(self.free)
-        eased = self._not_eased
-        if solution is None or not self._keeps_limits(solution):
-            self.fill_whole_program()
-            solution = solve_either(self.program)
-            if solution is None:
-                slack = self._slack(LimitKind.JOINT)
-                if slack is None or np.abs(slack).max() > MOST_EASED_RADPS2:
-                    return None
-                joints = np.arange(BASE_DOF, self.nv)
-                lowest, highest = self.program.lower[joints], self.program.upper[joints]
-                solution = solve_eased(self.program, joints, slack)
-                if solution is None:
-                    return None
-                eased = np.maximum(solution[joints] - highest, 0) + np.minimum(solution[joints] - lowest, 0)
-        return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), self._torque(solution), eased)
+        if solution is not None:
+            tick = self._tick(solution, self._not_eased)
+            if within_limits(tick.torque_nm, self._lowest_torque, self._highest_torque, self._cone, tick.wrench):
+                return tick
+        self.fill_whole_program()
+        solution = solve_either(self.program)
+        return self._eased_tick() if solution is None else self._tick(solution, self._not_eased)
 
-    def _torque(self, solution: Vector) -> Vector:
-        return np.asarray(self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:])
+    def _tick(self, solution: Vector, eased_radps2: Vector) -> Tick:
+        torque = self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:]
+        return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), torque, eased_radps2)
 
-    def _keeps_limits(self, solution: Vector) -> bool:
-        """Whether torques and contact forces are inside their limits."""
-        torque = self._torque(solution)
-        wrenches = solution[self.nv :].reshape(-1, WRENCH)
-        return bool(
-            (torque <= self._highest_torque).all()
-            and (torque >= self._lowest_torque).all()
-            and (wrenches @ self._cone.T <= 0).all()
-        )
+    def _eased_tick(self) -> Tick | None:
+        """The solution with the bounds of the joint accelerations eased as little as possible."""
+        joints = np.arange(BASE_DOF, self.nv)
+        slack = self._slack(LimitKind.JOINT)
+        if slack is None or np.abs(slack).max() > MOST_EASED_RADPS2:
+            return None
+        lowest, highest = self.program.lower[joints], self.program.upper[joints]
+        solution = solve_eased(self.program, joints, slack)
+        if solution is None:
+            return None
+        beyond = np.maximum(solution[joints] - highest, 0) + np.minimum(solution[joints] - lowest, 0)
+        return self._tick(solution, beyond)
 
     def obstacle(self) -> Obstacle | None:
         """After a step without solution: the limit whose giving way, the least of all kinds, would allow one."""

@@ -2,11 +2,17 @@
 
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Stiffnesses
 from fatigue_planner.motion.tasks.coordinates import Coordinates
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+
+Indices = NDArray[np.intp]
 
 
 class CentreOfMassTask(Task):
@@ -14,14 +20,28 @@ class CentreOfMassTask(Task):
 
     def __init__(self, weight: float, stiffness: float, place: Coordinates) -> None:
         super().__init__(len(place.axes()), weight, stiffness)
-        self.axes, self.reference_m = place.axes(), place.values()
+        self.axes, self.reference_m = np.array(place.axes()), place.values()
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
-        centre, axes = state.centre_of_mass(), self.axes
-        jacobian[:] = centre.jacobian[axes]
-        error = self.reference_m - centre.position_m[axes]
-        target[:] = self.stiffness * error - self.damping * centre.velocity[axes] - centre.drift[axes]
+        centre = state.centre_of_mass()
+        _write_rows(
+            centre.position_m, centre.velocity, centre.drift, centre.jacobian,
+            self.axes, self.reference_m, self.stiffness, self.damping, jacobian, target,
+        )  # fmt: skip
+
+
+@compiled
+def _write_rows(
+    position: Vector, velocity: Vector, drift: Vector, whole: Matrix, axes: Indices, reference: Vector,
+    stiffness: float, damping: float, jacobian: Matrix, target: Vector,
+) -> None:  # fmt: skip
+    """Write the rows of the coordinates `axes` of the centre of mass."""
+    for row in range(len(axes)):
+        axis = axes[row]
+        target[row] = stiffness * (reference[row] - position[axis]) - damping * velocity[axis] - drift[axis]
+        for j in range(whole.shape[1]):
+            jacobian[row, j] = whole[axis, j]
 
 
 class CentreOfMass(PreferenceTask):
