@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.errors import FailedMotionError
 from fatigue_planner.human.joint_data import MaximumTorque
-from fatigue_planner.human.model import Human, Tool, Worker, build_human
+from fatigue_planner.human.model import GRAVITY_MPS2, Human, Tool, Worker, build_human
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
@@ -63,14 +63,25 @@ class _Body:
             for side, goal in request.action.goals().items()
         }  # fmt: skip
         x, y, _ = (float(value) for value in state.centre_of_mass().position_m)
-        balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
+        self.stance_centre_m = np.array([x, y])
+        self.balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
         posture = WholePosture(weights.posture, stiffness.posture, self.human.stance[7:])
         preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
         self.first_preferred = 1 + len(self.hands)
         self.controller = WholeBodyController(
             self.human, state, settings, request.maximum_torque.vectors(), posture,
-            [balance, *self.hands.values(), *preferred],
+            [self.balance, *self.hands.values(), *preferred],
         )  # fmt: skip
+
+    def lean_against(self, side: Side, force_n: Vector) -> None:
+        """Shift the place of the centre of mass so that a force (3,) on a fist leaves the pressure where it is.
+
+        The ground bears weight and force at the stance's centre c if m g (x - c) = (p - c) F_z - p_z F_x, with x
+        the centre of mass and p the fist (and y alike): who is pushed leans against it, who lifts leans back.
+        """
+        at, weight = self.fist(side).position_m, self.human.mass_kg * GRAVITY_MPS2
+        moment = (at[:2] - self.stance_centre_m) * force_n[2] - at[2] * force_n[:2]
+        self.balance.reference_m = self.balance.reference_m + moment / weight
 
     def fist(self, side: Side) -> Pose:
         """Where a fist is."""
@@ -111,11 +122,13 @@ class Simulator:
         """Evaluate the body, its references and the forces at a tick; returns the forces on the fists (6,)."""
         body = self.body
         body.state.update(self.configuration, self.velocity)
+        body.balance.reference_m = body.stance_centre_m
         pushed = np.zeros(6)
         for planned in self.forces:
             turn = body.state.placement(body.grips[planned.hand]).rotation if planned.in_hand_axes else np.eye(3)
             force = turn @ planned.force_n[tick]
             body.state.push(body.grips[planned.hand], force)
+            body.lean_against(planned.hand, force)
             pushed[3 * SIDES.index(planned.hand) :][:3] += force
         for task in body.hands.values():
             task.moment = tick
