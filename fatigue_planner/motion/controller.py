@@ -199,9 +199,9 @@ class WholeBodyController:
         }[kind]
         return smallest_slack(self.program, bounds, rows, self._scale[kind])
 
-    def weigh(self, task: int, share: float) -> None:
-        """Give a task (by its place in the list) a share of its weight."""
-        self._task_weight[self._task_rows[task]] = share * self.tasks[task].weight
+    def weigh(self, task: int, share: float, first_row: int = 0) -> None:
+        """Give a task (by its place in the list), or its rows from one on, a share of its weight."""
+        self._task_weight[self._task_rows[task]][first_row:] = share * self.tasks[task].weight
 
     def _fill_limits(self) -> None:
         acceleration_bounds(

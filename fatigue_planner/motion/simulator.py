@@ -100,6 +100,10 @@ class Simulator:
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
         shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
+        # nobody minds how the empty-handed way home turns the hand
+        back = self.phases[-1]
+        self._turned_share = np.ones(self.ticks)
+        self._turned_share[back.start :] = 1 - share_of(("return",), self.phases, dt)[back.start :]
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
         self.body = _Body(request, self.runs[0])
         self.references = {
@@ -130,8 +134,9 @@ class Simulator:
             body.state.push(body.grips[planned.hand], force)
             body.lean_against(planned.hand, force)
             pushed[3 * SIDES.index(planned.hand) :][:3] += force
-        for task in body.hands.values():
+        for place, task in enumerate(body.hands.values(), start=1):
             task.moment = tick
+            body.controller.weigh(place, self._turned_share[tick], first_row=3)
         for place, share in self._switched:
             body.controller.weigh(body.first_preferred + place, share[tick])
         return pushed
