@@ -86,7 +86,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("exploration_constant: 0.1,", "exploration_constant: -0.1,",
          "benchmark.policies.pomcp_0.1.exploration_constant = -0.1: input should be greater than or equal to 0."),
         ("exploration_constant: 0.1,", "exploration: 0.1,",
-         "benchmark.policies.pomcp_0.1.exploration_constant: is missing."),
+         "benchmark.policies.pomcp_0.1.exploration: unknown key; did you mean 'exploration_constant'?"),
         ("random: {kind: random}", "random: {kind: random, c: 1}", "benchmark.policies.random.c: unknown key"),
         ("random: {kind: random}", "random: {kind: dice}", "benchmark.policies.random"),
         ("n_cycles: [5, 20, 100]", "n_cycles: []", "benchmark.n_cycles: "),

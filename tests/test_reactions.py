@@ -324,3 +324,26 @@ def test_audit_finds_a_motion_longer_than_its_settings_say(reactions: tuple[Reac
     write_reaction(tmp_path / f"{'1' * 16}.h5", replace(reactions[0], motion=replace(motion, **rows)))
     found = audit((tmp_path / f"{'1' * 16}.h5", reactions[0].name))
     assert found.verdict == "failed" and "another length" in found.reason
+
+
+def test_what_is_kept_of_an_unfinished_library_can_be_looked_at(brief: Experiment, tmp_path: Path) -> None:
+    """One of two reactions fails: no library, but the other one is there for who asks for it by name."""
+    far = brief.actions["high"].model_copy(
+        update={"right_hand": brief.actions["high"].right_hand.model_copy(
+            update={"position_m": brief.actions["high"].right_hand.position_m.model_copy(update={"x": 0.9})})}
+    )  # fmt: skip
+    two = brief.model_copy(update={"actions": {"high": brief.actions["high"], "far": far}})
+    cache, path, outcomes = complete(two, tmp_path)
+    assert [outcome.verdict for outcome in outcomes] == ["ok", "failed"] and not path.exists()
+    requests = reaction_requests(two)
+    (kept,) = cache.stream(two.name, requests, "fatplan simulate", [requests[0].name])
+    assert kept.name == requests[0].name
+    with pytest.raises(MissingLibraryError, match=r"only 1 of 2 reactions are there: average_man/high/arm\. `fat"):
+        load_reactions(two, tmp_path, "fatplan simulate")
+
+
+def test_a_complete_library_needs_no_writable_folder(brief: Experiment, tmp_path: Path) -> None:
+    complete(brief, tmp_path)
+    shutil.rmtree(tmp_path / "partial")
+    _, _, outcomes = complete(brief, tmp_path)
+    assert outcomes[0].found and not (tmp_path / "partial").exists()

@@ -374,3 +374,56 @@ def test_the_docs_kind_of_task_works(paper: Experiment) -> None:
     request = reaction_requests(paper)[0].motion
     motion = simulate(replace(request, preference=Preference.model_construct(tasks=(task,))))
     assert places(request, motion, "head", motion.phase("work").stop - 1).translation[2] == pytest.approx(1.4, abs=0.01)
+
+
+def test_who_is_pushed_leans_against_it(request_: MotionRequest, paper: Experiment) -> None:
+    """60 N against a drill at 1.3 m: the centre of mass goes forward by z F / m g, the pressure stays where it was."""
+    push = HandForce(kind="force", hand="right", frame="hand", force_n=(
+        TimedForce(cycle_time_s=2.0), TimedForce(cycle_time_s=4.0, z=60.0)))  # fmt: skip
+    goal = HandGoal(position_m=Position(x=0.4, y=-0.2, z=1.3), orientation_deg=FORWARD)
+    request = replace(
+        request_, cycle=Cycle(reach_s=2.0, work_s=8.0, return_s=2.0), action=Action(right_hand=goal, loads=(push,))
+    )
+    motion = simulate(request)
+    human, tick = build_human(request.worker), motion.phase("work").stop - 1
+    centres = [
+        pin.centerOfMass(human.model, human.model.createData(), motion.configuration[i]).copy() for i in (0, tick)
+    ]
+    weight = human.mass_kg * 9.81
+    assert centres[1][0] - centres[0][0] == pytest.approx(1.3 * 60 / weight, abs=0.004)
+    soles = motion.wrench[[0, tick]].reshape(2, 2, 6)
+    pressure = -soles[:, :, 4].sum(axis=1) / soles[:, :, 2].sum(axis=1)
+    assert pressure[1] == pytest.approx(pressure[0], abs=0.005)
+    assert measure(request, motion).centre_of_pressure_violation_m < 0
+
+
+def test_a_target_beyond_the_arm_is_said_to_be_out_of_reach(paper: Experiment) -> None:
+    from fatigue_planner.errors import FailedMotionError
+
+    request = reaction_requests(paper)[0].motion
+    goal = HandGoal(position_m=Position(x=1.5, y=-0.25, z=1.2), orientation_deg=FORWARD)
+    with pytest.raises(FailedMotionError, match=r"Out of reach: the right hand should be \d\.\d\d m from the shoulder"):
+        simulate(replace(request, action=Action(right_hand=goal)))
+
+
+def test_the_way_home_leaves_the_hand_free_to_turn(paper: Experiment) -> None:
+    """A small woman lifts with both hands to 1.2 m and comes back; with a prescribed turn she could not."""
+    experiment = load_experiment(EXPERIMENTS / "workers.yaml")
+    lift = load_experiment(EXPERIMENTS / "co_transport.yaml").actions["even"].model_copy(update={"loads": ()})
+    high = {
+        hand: HandGoal(
+            waypoints=tuple(
+                point.model_copy(update={"position_m": point.position_m.model_copy(update={"z": z})})
+                for point, z in zip(getattr(lift, hand).waypoints, (0.8, 0.8, 1.2), strict=True)
+            )
+        )
+        for hand in ("right_hand", "left_hand")
+    }
+    request = reaction_requests(experiment)[0].motion
+    request = replace(
+        request, action=Action(**high), tool=request.tool.model_copy(update={"mass_kg": 0.0}),
+        cycle=Cycle(reach_s=4.0, work_s=6.0, return_s=4.0),
+    )  # fmt: skip
+    motion = simulate(request)
+    assert measure(request, motion).faults(experiment.accuracy) == []
+    assert np.abs(motion.configuration[-1, 7:] - motion.configuration[0, 7:]).max() < np.radians(25)

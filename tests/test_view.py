@@ -60,7 +60,7 @@ def html(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
     path = folder / "results" / "paper" / "view.html"
     assert done.stdout.startswith(f"results/paper/view.html: {SHOWN}; ") and len(done.stdout.splitlines()) == 1
-    assert not done.stderr
+    assert done.stderr == "Recording 1 reaction, some 3 s each ...\n"
     assert (folder / "opened").read_text().strip() == path.as_uri()
     return path.read_text()
 

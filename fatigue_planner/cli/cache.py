@@ -1,14 +1,18 @@
 """`fatplan cache`: the folder of reaction libraries."""
 
+from collections.abc import Sequence
+from pathlib import Path
+
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, CacheFolder, Jobs, talk
-from fatigue_planner.errors import DamagedFileError, ExitCode, MissingLibraryError, OtherVersionError
+from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs, talk
+from fatigue_planner.errors import DamagedFileError, ExitCode, FatplanError, MissingLibraryError, OtherVersionError
 from fatigue_planner.parallel import run_parallel
-from fatigue_planner.reactions.audit import audit
+from fatigue_planner.reactions.audit import Audit, audit
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.library import names_in
+from fatigue_planner.reactions.reaction import ReactionName
 
 app = typer.Typer(help="Look after the reaction cache.", no_args_is_help=True)
 
@@ -18,9 +22,9 @@ def _group() -> None:
     pass
 
 
-@app.command()
+@app.command(epilog=EXIT_CODES)
 def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
-    """Check every stored reaction again: the file's hashes, and every invariant of its motion.
+    """Check every stored reaction again: its hash, and every invariant of its motion.
 
     The invariants (equation of motion, friction, centre of pressure, limits, feet, hands, balance,
     power) are recomputed from the stored motion and compared with what was stored of them. Nothing is
@@ -30,14 +34,7 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
     files = ReactionCache(cache).files()
     if not files:
         raise MissingLibraryError(f"{cache}: no reaction library there. Run `fatplan simulate` first.")
-    places, damaged, other = [], [], []
-    for path in files:
-        try:
-            places += [(path, name) for name in names_in(path)]
-        except OtherVersionError as error:
-            other.append(str(error))
-        except DamagedFileError as error:
-            damaged.append(str(error))
+    places, unreadable = _contents(files)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     audits = {}
     with Progress(*columns, console=talk()) as bar:
@@ -46,23 +43,36 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
             audits[place] = result
             bar.advance(task)
     ordered = [audits[place] for place in range(len(places))]
-    for path in files:
-        own = [result for result in ordered if result.path == path]
-        if own:
-            typer.echo(f"{path}:")
-        for result in own:
-            reason = f": {result.reason}" if result.reason else ""
-            typer.echo(f"  {result.name!s:<32} {'DAMAGED' if result.damaged else result.verdict}{reason}")
-    for message in other:
-        typer.echo(f"Not checked: {message}")
-    for message in damaged:
-        typer.echo(f"DAMAGED: {message}")
+    _print(ordered, unreadable)
     counts = {verdict: sum(result.verdict == verdict for result in ordered) for verdict in ("ok", "degraded", "failed")}
     broken = {result.path for result in ordered if result.damaged}
-    n_damaged = len(damaged) + len(broken)
+    n_damaged = sum(isinstance(error, DamagedFileError) for error in unreadable) + len(broken)
     summary = ", ".join(f"{count} {verdict}" for verdict, count in counts.items())
     typer.echo(f"{len(ordered)} reactions in {len(files)} files: {summary}; {n_damaged} files damaged.")
-    if n_damaged:
-        raise typer.Exit(ExitCode.DAMAGED_STORE)
-    if counts["failed"]:
-        raise typer.Exit(ExitCode.FAILED_PARTS)
+    if n_damaged or counts["failed"]:
+        typer.echo("`fatplan simulate` sets damaged files aside and simulates again what its experiment needs.")
+        raise typer.Exit(ExitCode.DAMAGED_STORE if n_damaged else ExitCode.FAILED_PARTS)
+
+
+def _contents(files: Sequence[Path]) -> tuple[list[tuple[Path, ReactionName]], list[FatplanError]]:
+    """What the files hold, and why some of them cannot be looked into."""
+    places: list[tuple[Path, ReactionName]] = []
+    unreadable: list[FatplanError] = []
+    for path in files:
+        try:
+            places += [(path, name) for name in names_in(path)]
+        except (OtherVersionError, DamagedFileError) as error:
+            unreadable.append(error)
+    return places, unreadable
+
+
+def _print(audits: Sequence[Audit], unreadable: Sequence[FatplanError]) -> None:
+    path = None
+    for result in audits:
+        if result.path != path:
+            path = result.path
+            typer.echo(f"{path}:")
+        reason = f": {result.reason}" if result.reason else ""
+        typer.echo(f"  {result.name!s:<32} {'DAMAGED' if result.damaged else result.verdict}{reason}")
+    for error in unreadable:
+        typer.echo(f"{'DAMAGED' if isinstance(error, DamagedFileError) else 'Not checked'}: {error}")

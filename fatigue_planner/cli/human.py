@@ -8,6 +8,8 @@ import typer
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
+    DEFAULT_RESULTS,
+    EXIT_CODES,
     CacheFolder,
     ExperimentFile,
     choose,
@@ -31,7 +33,7 @@ OneWorker = Annotated[str | None, typer.Option("--worker", help="The worker, if 
 app = typer.Typer(help="Show or export the digital human of an experiment.", no_args_is_help=True)
 
 
-@app.command()
+@app.command(epilog=EXIT_CODES)
 def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = None) -> None:
     """Print the workers' segments, ranges of motion and strengths."""
     known = load_experiment(experiment).workers
@@ -45,32 +47,39 @@ def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = Non
         typer.echo()
 
 
-@app.command()
+@app.command(epilog=EXIT_CODES)
 def export(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    output: Annotated[Path, typer.Option(help="The URDF file to write.")] = Path("human.urdf"),
+    output: Annotated[
+        Path | None, typer.Option(help="The URDF file to write; results/<experiment>/<worker>.urdf if not given.")
+    ] = None,
     worker: OneWorker = None,
     tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
     settings = load_experiment(experiment)
-    person = settings.workers[_one_worker(settings, worker)]
+    name = _one_worker(settings, worker)
+    person = settings.workers[name]
+    output = output or DEFAULT_RESULTS / settings.name / f"{name}.urdf"
     human = build_human(person, settings.tool.mass_kg if tool else 0.0)
     strength = maximum_torque(person.strength).vectors()
     publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
     typer.echo(f"{output}: {len(human.model.names) - 2} joints, {human.mass_kg:.1f} kg")
 
 
-@app.command()
+@app.command(epilog=EXIT_CODES)
 def report(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    output: Annotated[Path, typer.Option(help="The Markdown page to write.")] = Path("docs/human.md"),
+    output: Annotated[
+        Path | None, typer.Option(help="The Markdown page to write; results/<experiment>/<worker>.md if not given.")
+    ] = None,
     worker: OneWorker = None,
     cache: CacheFolder = DEFAULT_CACHE,
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
+    output = output or DEFAULT_RESULTS / settings.name / f"{name}.md"
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     own = [reaction for reaction in reactions if reaction.name.worker == name]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")

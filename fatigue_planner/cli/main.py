@@ -9,13 +9,9 @@ from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.cache import app as cache
 from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
+from fatigue_planner.cli.options import EXIT_CODES
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.view import view
-
-EXIT_CODES = (
-    "Exit codes: 0 done; 1 internal error; 2 bad input or usage; 3 finished, but some parts failed; "
-    "4 a stored file is damaged; 130 or 143 interrupted, with everything finished so far kept."
-)
 
 app = typer.Typer(
     name="fatplan",

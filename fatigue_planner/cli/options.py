@@ -22,6 +22,10 @@ DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
 DEFAULT_CACHE = Path("cache")
 DEFAULT_RESULTS = Path("results")
 ALL_CORES = available_cores()
+EXIT_CODES = (
+    "Exit codes: 0 done; 1 internal error; 2 bad input or usage; 3 finished, but some parts failed; "
+    "4 a stored file is damaged; 130 or 143 interrupted, with everything finished so far kept."
+)
 
 
 def command_line(command: str, experiment: Path, cache: Path, results: Path = DEFAULT_RESULTS) -> str:

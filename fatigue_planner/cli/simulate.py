@@ -59,7 +59,7 @@ def _words(outcome: Outcome) -> str:
     quality = outcome.quality
     return (
         f"{'found' if outcome.found else 'simulated'}, {outcome.verdict}; hand within "
-        f"{quality.work_hand_error_m * 1000:.1f} mm of its target, equation of motion within "
-        f"{quality.equation_of_motion_nm:.0e} N.m"
+        f"{quality.work_hand_error_m * 1000:.1f} mm of its target; heaviest load "
+        f"{quality.largest_load_share:.0%} of the strength ({quality.largest_load_joint})"
         + (f"; {quality.degradation()}" if outcome.verdict == "degraded" else "")
     )

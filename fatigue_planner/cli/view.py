@@ -21,7 +21,7 @@ from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.files import publish, publish_text
+from fatigue_planner.files import publish, publish_text, writable_folder
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.viewer.performance import Performance, performance_of
 from fatigue_planner.viewer.strip import strip
@@ -57,6 +57,7 @@ def view(
         raise SelectionError(f"--save {path}: the name must end in {' or '.join(SUFFIXES)}.")
     if at and kind != ".png":
         raise SelectionError(f"--at {at[0]:g}: only for the poses of a .png; the page shows the whole cycle.")
+    writable_folder(path.parent)
     performances = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
         _check_times(at or [], performances)
@@ -67,6 +68,8 @@ def view(
     else:
         from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 
+        many = f"{len(performances)} reactions" if len(performances) > 1 else "1 reaction"
+        talk().print(f"Recording {many}, some 3 s each ...", markup=False)
         publish_text(path, page(performances))
     size, shown = path.stat().st_size / 1e6, ", ".join(performance.title for performance in performances)
     typer.echo(f"{path}: {shown}; {size:.1f} MB ({time.perf_counter() - begin:.1f} s).")

@@ -27,7 +27,7 @@ def load_experiment(path: Path) -> Experiment:
     try:
         experiment = Experiment.model_validate(expand_grids(content), strict=True)
     except ValidationError as error:
-        faults = dict.fromkeys(_describe(fault) for fault in error.errors())
+        faults = dict.fromkeys(_describe(fault) for fault in _telling(error.errors()))
         raise ExperimentError("\n".join(f"{path}: {fault}" for fault in faults)) from error
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
@@ -49,6 +49,25 @@ _SHAPES = {
 LONGEST_VALUE = 60
 
 
+def _telling(faults: list[ErrorDetails]) -> list[ErrorDetails]:
+    """The faults without those that only follow from others: a key missing because it is misspelt, a list too
+    short because what is in it is wrong.
+    """
+    misspelt = {
+        (*fault["loc"][:-1], close)
+        for fault in faults
+        if fault["type"] == "extra_forbidden"
+        for close in difflib.get_close_matches(str(fault["loc"][-1]), _known_keys(), n=1)
+    }
+    inside = {fault["loc"][:-1] for fault in faults}
+    return [
+        fault
+        for fault in faults
+        if not (fault["type"] == "missing" and fault["loc"] in misspelt)
+        and not (fault["type"] == "too_short" and fault["loc"] in inside)
+    ]
+
+
 def _describe(fault: ErrorDetails) -> str:
     place = _place(fault["loc"])
     value = fault["input"]
@@ -58,6 +77,8 @@ def _describe(fault: ErrorDetails) -> str:
         return f"{place}: is missing."
     if fault["type"] == "value_error":
         return f"{place}: {fault['ctx']['error']}." if fault["loc"] else f"{fault['ctx']['error']}."
+    if fault["type"] == "union_tag_invalid":
+        return f"{place}.kind = {fault['ctx']['tag']!r}: should be one of {fault['ctx']['expected_tags']}."
     shown = ""
     if isinstance(value, (str, int, float, bool, type(None))):
         text = repr(value)
@@ -78,11 +99,16 @@ def _place(location: tuple[int | str, ...]) -> str:
 
 
 def _did_you_mean(key: str) -> str:
-    known = {field.alias or name for model in _all_settings(Settings) for name, field in model.model_fields.items()}
+    known = _known_keys()
     if key in known:
         return f" here; {key!r} belongs elsewhere, see experiments/paper.yaml."
-    close = difflib.get_close_matches(key, sorted(known), n=1)
+    close = difflib.get_close_matches(key, known, n=1)
     return f"; did you mean {close[0]!r}?" if close else "."
+
+
+def _known_keys() -> list[str]:
+    names = {field.alias or name for model in _all_settings(Settings) for name, field in model.model_fields.items()}
+    return sorted(names)
 
 
 def _all_settings(kind: type[Settings]) -> Iterator[type[Settings]]:

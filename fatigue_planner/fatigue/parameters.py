@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from fatigue_planner.errors import DataFileError
-from fatigue_planner.human.joint_data import MaximumTorque
+from fatigue_planner.human.joint_data import MaximumTorque, known_names
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
 from fatigue_planner.settings import Settings
 
@@ -85,7 +85,7 @@ def _places(name: str, key: str) -> list[int]:
     """The entries a name means. Raises DataFileError, naming the key, if there is none."""
     places = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
     if not places:
-        raise DataFileError(f"{key}: unknown joint {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
+        raise DataFileError(f"{key}: unknown joint {name!r}{known_names(name)}")
     return places
 
 

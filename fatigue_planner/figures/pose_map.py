@@ -53,6 +53,8 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
         panel.set_title(f"{words(preference)} reaction")
         panel.set_xlabel(f"{across[0]} of the hand, m")
         panel.set_aspect("equal")
+        panel.set_xticks(grid.columns, [f"{place:g}" for place in grid.columns], rotation=90)
+        panel.set_yticks(grid.index, [f"{place:g}" for place in grid.index])
     axes[0].set_ylabel(f"{up[0]} of the hand, m")
-    figure.colorbar(image, ax=list(axes), label="long-run cost, mean of squared fatigue\n(star: least)")
+    figure.colorbar(image, ax=list(axes), label="cost when repeated for ever: mean of squared fatigue\n(star: least)")
     return figure

@@ -64,7 +64,7 @@ def posture_figure(
                 | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
                 | {"share_of_maximum": share_at.get(landmark, np.nan)}
             )
-    label = "largest load at the joint, % of the maximum torque (blue squares: the fists that work)"
+    label = "largest load at the joint, % of the maximum torque\n(blue squares: the fists that work)"
     figure.colorbar(discs, ax=list(axes[-1]), location="bottom", shrink=0.7, aspect=50, label=label, extend="max")
     return figure, pd.DataFrame(rows)
 

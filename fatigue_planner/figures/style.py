@@ -35,8 +35,10 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 def save_figure(folder: Path, name: str, figure: Figure, data: pd.DataFrame) -> list[Path]:
     """Publish name.png, name.svg and the data behind them as name.csv; returns the paths."""
     paths = [folder / f"{name}.{kind}" for kind in ("png", "svg", "csv")]
-    publish(paths[0], lambda path: figure.savefig(path, metadata={"Software": "fatplan"}))
-    publish(paths[1], lambda path: figure.savefig(path, metadata={"Date": None, "Creator": "fatplan"}))
+    publish(paths[0], lambda path: figure.savefig(path, metadata={"Software": "fatplan"}, bbox_inches="tight"))
+    publish(
+        paths[1], lambda path: figure.savefig(path, metadata={"Date": None, "Creator": "fatplan"}, bbox_inches="tight")
+    )
     publish_text(paths[2], data.to_csv(index=False, lineterminator="\n"))
     return paths
 

@@ -108,6 +108,7 @@ def course_figure(
         for colour, entry in enumerate(drawn):
             panel.plot(
                 times, 100 * share[::every, entry], color=COLOURS[colour], linewidth=1.1,
+                linestyle="--" if ENTRIES[entry].startswith("left") else "-",
                 label=_entry_label(ENTRIES[entry]),
             )  # fmt: skip
             rows += [
@@ -118,7 +119,9 @@ def course_figure(
         work = motion.phase("work")
         panel.axvspan(work.start * motion.time_step_s, work.stop * motion.time_step_s, color="0.92", zorder=0)
         panel.set_title(_label(reaction, reactions))
-    figure.supxlabel("time in the cycle, s (grey: work)", fontsize=9)
+    figure.supxlabel(
+        "time in the cycle, s (grey: work; dashed: left side; the six entries with the highest mean load)", fontsize=9
+    )
     figure.supylabel("load, % of the maximum torque", fontsize=9)
     handles, labels = axes.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False)

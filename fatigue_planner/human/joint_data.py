@@ -1,5 +1,6 @@
 """Ranges of motion, strengths and natural posture: one value per degree of freedom."""
 
+import difflib
 from functools import cache
 
 import numpy as np
@@ -61,6 +62,14 @@ def degrees_of_freedom(name: str) -> list[int]:
     return [i for i, dof in enumerate(DEGREES_OF_FREEDOM) if name in {dof, without_side(dof)}]
 
 
+def known_names(unknown: str) -> str:
+    """The end of a message about an unknown joint: the nearest name, and all there are."""
+    short = list(dict.fromkeys(without_side(dof) for dof in DEGREES_OF_FREEDOM))
+    close = difflib.get_close_matches(unknown, [*short, *DEGREES_OF_FREEDOM], n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ";"
+    return f"{hint} Known, with right_ or left_ before them for one side of arms and legs: {', '.join(short)}"
+
+
 def posture(angles_deg: dict[str, float], key: str) -> Vector:
     """Joint angles (39,) rad from degrees by name; a name without side sets both; the rest are 0.
 
@@ -72,7 +81,7 @@ def posture(angles_deg: dict[str, float], key: str) -> Vector:
     for name, degrees in angles_deg.items():
         places = degrees_of_freedom(name)
         if not places:
-            raise DataFileError(f"{key}: unknown degree of freedom {name!r}; known: {', '.join(DEGREES_OF_FREEDOM)}")
+            raise DataFileError(f"{key}: unknown degree of freedom {name!r}{known_names(name)}")
         if not np.degrees(lower[places[0]]) <= degrees <= np.degrees(upper[places[0]]):
             raise DataFileError(
                 f"{key}: {name} = {degrees} deg is outside its range of motion "

@@ -179,11 +179,11 @@ class WholeBodyController:
         excess = abs(slack[worst])
         match kind:
             case LimitKind.JOINT:
-                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.2g} rad/s^2 beyond what it may accelerate"
+                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
             case LimitKind.TORQUE:
                 limit = (self._highest_torque if slack[worst] > 0 else -self._lowest_torque)[worst]
                 place = DEGREES_OF_FREEDOM[worst]
-                amount = f"{excess:.2g} N.m more than the {limit:.1f} N.m allowed"
+                amount = f"{excess:.1f} N.m more than the {limit:.1f} N.m allowed"
             case LimitKind.CONTACT:
                 place, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
         return Obstacle(kind, place, amount, float(share[worst]))

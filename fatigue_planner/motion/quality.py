@@ -7,8 +7,16 @@ from fatigue_planner.motion.settings import Accuracy
 
 Verdict = Literal["ok", "degraded", "failed"]
 
-# Errors of the integration, which go with the time step.
-SHRINKING = ("foot_displacement_m", "energy_error_share")
+# Values that inform, or have a message of their own.
+NOT_BARS = (
+    "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
+    "saturated_joint", "eased_ticks", "eased_radps2",
+)  # fmt: skip
+REMEDIES = {
+    "foot_displacement_m": "a smaller controller.time_step_s helps",
+    "energy_error_share": "a smaller controller.time_step_s helps",
+    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
+}
 
 
 @dataclass(frozen=True)
@@ -18,6 +26,7 @@ class Quality:
     not_finite counts values that are no numbers. record_error is how far the record is from what follows
     from itself and from what was asked for: that it starts at rest in the stance, follows its own
     accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
+    largest_load_share is the largest mean load of a joint during work, as a share of its strength.
     saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
     where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
     bounds, by up to eased_radps2.
@@ -38,6 +47,8 @@ class Quality:
     foot_displacement_m: float
     work_hand_error_m: float
     work_hand_turn_rad: float
+    largest_load_share: float
+    largest_load_joint: str
     saturated_share: float
     saturated_joint: str
     eased_ticks: int
@@ -63,14 +74,10 @@ class Quality:
             "energy_error_share": required.energy_error_share,
             "position_violation_rad": required.eased_position_rad if self.eased_ticks else required.limit_violation,
         }
-        apart = {
-            "work_hand_error_m", "work_hand_turn_rad", "saturated_share", "saturated_joint", "eased_ticks",
-            "eased_radps2",
-        }  # fmt: skip
         for name, value in asdict(self).items():
             allowed = bounds.get(name, required.limit_violation)
-            if name not in apart and not value <= allowed:
-                remedy = "; a smaller controller.time_step_s helps" if name in SHRINKING else ""
+            if name not in NOT_BARS and not value <= allowed:
+                remedy = f"; {REMEDIES[name]}" if name in REMEDIES else ""
                 faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e}{remedy})")
         return faults
 

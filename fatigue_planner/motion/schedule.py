@@ -85,9 +85,14 @@ def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step
     for phase in phases:
         active = phase.name in during
         if active != before:
-            ticks = phase.stop - phase.start
-            times: Vector = np.arange(1, ticks + 1) * np.float64(time_step_s)
-            rise = minimum_jerk(times / min(SWITCH_S, ticks * time_step_s))[0]
+            rise = rise_of(phase, time_step_s)
             share[phase.start : phase.stop] = rise if active else 1 - rise
         before = active
     return share
+
+
+def rise_of(phase: Phase, time_step_s: float) -> Vector:
+    """From 0 to 1 over the first `SWITCH_S` of a phase, or all of a shorter one, at each of its ticks."""
+    ticks = phase.stop - phase.start
+    times: Vector = np.arange(1, ticks + 1) * np.float64(time_step_s)
+    return minimum_jerk(times / min(SWITCH_S, ticks * time_step_s))[0]

@@ -17,7 +17,7 @@ from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.saturation import Saturation, saturation
-from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of, share_of
+from fatigue_planner.motion.schedule import Run, forces_of, phases_of, rise_of, runs_of, share_of
 from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.coordinates import Coordinates
@@ -83,6 +83,18 @@ class _Body:
         moment = (at[:2] - self.stance_centre_m) * force_n[2] - at[2] * force_n[:2]
         self.balance.reference_m = self.balance.reference_m + moment / weight
 
+    def too_far(self) -> str:
+        """Which hand's reference is farther from its shoulder than the arm is long, in words; empty if none."""
+        body = self.human.anthropometry
+        arm = sum(float(np.linalg.norm(link)) for link in (body.joint_centre("right_elbow"),
+                  body.joint_centre("right_wrist"), body.grip_m()))  # fmt: skip
+        for side, task in self.hands.items():
+            shoulder = self.state.placement(self.state.frame(f"{side}_upper_arm")).translation
+            away = float(np.linalg.norm(task.reference.position_m[task.moment] - shoulder))
+            if away > arm:
+                return f"the {side} hand should be {away:.2f} m from the shoulder, the arm measures {arm:.2f} m"
+        return ""
+
     def fist(self, side: Side) -> Pose:
         """Where a fist is."""
         placement = self.state.placement(self.grips[side])
@@ -100,10 +112,9 @@ class Simulator:
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
         shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
-        # nobody minds how the empty-handed way home turns the hand
-        back = self.phases[-1]
+        # how the hand is turned matters on the way to the object and at work, not on the way home
         self._turned_share = np.ones(self.ticks)
-        self._turned_share[back.start :] = 1 - share_of(("return",), self.phases, dt)[back.start :]
+        self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
         self.body = _Body(request, self.runs[0])
         self.references = {
@@ -167,7 +178,10 @@ class Simulator:
         if before.share > 0:
             since = before.first_tick * self.time_step_s
             reason += f"; {before.joint} at its maximum torque {before.share:.0%} of the time, first at {since:.2f} s"
-        if before.share > LASTING or obstacle.kind is LimitKind.TORQUE:
+        too_far = self.body.too_far()
+        if too_far:
+            advice = f"Out of reach: {too_far}. Bring the object closer."
+        elif before.share > LASTING or obstacle.kind is LimitKind.TORQUE:
             advice = (
                 "What the hands carry is too heavy for this worker in this posture: make the tool or the load lighter, "
                 "or let the hands work closer to the body."

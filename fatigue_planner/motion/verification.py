@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
-from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import Motion
@@ -74,6 +74,8 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
     hands = _hand_errors(request, motion, fists)
     saturated = saturation(motion.torque_nm[motion.phase("work")], positive, negative)
+    at_work = motion.torque_nm[motion.phase("work")]
+    mean_share = np.maximum(at_work / positive, -at_work / negative).mean(axis=0) * factor
     eased = np.abs(motion.eased_radps2).max(axis=1)
     # np.max, not max: a NaN must win
     return Quality(
@@ -96,6 +98,8 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         foot_displacement_m=float(np.max([run.sole_displacement_m.max() for run in replays])),
         work_hand_error_m=hands.distance_m,
         work_hand_turn_rad=hands.turn_rad,
+        largest_load_share=float(mean_share.max()),
+        largest_load_joint=DEGREES_OF_FREEDOM[int(mean_share.argmax())],
         saturated_share=saturated.share,
         saturated_joint=saturated.joint,
         eased_ticks=int((eased > 0).sum()),

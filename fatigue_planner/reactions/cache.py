@@ -74,7 +74,19 @@ class ReactionCache:
         """
         path = self.path(experiment, requests)
         if not path.exists():
-            raise MissingLibraryError(f"{path}: no reactions for this experiment's settings. Run `{how}` first.")
+            kept = [request for request in requests if self._partial(request.digest).exists()]
+            if not kept:
+                raise MissingLibraryError(f"{path}: no reactions for this experiment's settings. Run `{how}` first.")
+            wanted = [request for request in requests if chosen is not None and request.name in chosen]
+            if not wanted or not all(request in kept for request in wanted):
+                raise MissingLibraryError(
+                    f"{path}: only {len(kept)} of {len(requests)} reactions are there: "
+                    f"{', '.join(str(request.name) for request in kept)}. `{how}` says why the others are not."
+                )
+            for request in wanted:
+                (name,) = names_in(self._partial(request.digest))
+                yield replace(read_reaction(self._partial(request.digest), name), name=request.name)
+            return
         try:
             if not _holds(path, requests):
                 raise DamagedFileError(f"{path}: holds other reactions than its name says.")
@@ -99,13 +111,14 @@ class ReactionCache:
         `progress` hears of every outcome as it comes. Damaged files are set aside (`damaged` lists
         the messages). Returns the library's path and the outcomes in the order of the requests.
         """
-        writable_folder(self.folder / PARTIAL)
         path = self.path(experiment, requests)
         by_digest = {request.digest: request for request in requests}
         places, outcomes = self._find(path, set(by_digest))
         for outcome in outcomes.values():
             progress(outcome)
         missing = [(request, self._partial(digest)) for digest, request in by_digest.items() if digest not in outcomes]
+        if missing:
+            writable_folder(self.folder / PARTIAL)
         for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
             outcomes[outcome.digest] = outcome
             places[outcome.digest] = (self._partial(outcome.digest), by_digest[outcome.digest].name)
@@ -119,7 +132,8 @@ class ReactionCache:
                     if not _holds(path, requests):
                         raise
             for outcome in ordered:
-                self._partial(outcome.digest).unlink(missing_ok=True)
+                if self._partial(outcome.digest).exists():
+                    self._partial(outcome.digest).unlink(missing_ok=True)
         return path, ordered
 
     def _partial(self, digest: str) -> Path:
