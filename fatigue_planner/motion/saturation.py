@@ -14,7 +14,9 @@ AT_LIMIT = 0.999  # of the maximum torque
 
 
 class Saturation(NamedTuple):
-    """The joint that is at its limit for the largest share of the ticks, that share, and the first such tick."""
+    """The joint that is at its limit for the largest share of the ticks (empty if none is), that share, and the first
+    such tick.
+    """
 
     joint: str
     share: float
@@ -26,4 +28,5 @@ def saturation(torque_nm: Matrix, positive_nm: Vector, negative_nm: Vector) -> S
     at_limit = (torque_nm >= AT_LIMIT * positive_nm) | (torque_nm <= -AT_LIMIT * negative_nm)
     share = at_limit.mean(axis=0)
     joint = int(share.argmax())
-    return Saturation(DEGREES_OF_FREEDOM[joint], float(share[joint]), int(at_limit[:, joint].argmax()))
+    name = DEGREES_OF_FREEDOM[joint] if share[joint] > 0 else ""
+    return Saturation(name, float(share[joint]), int(at_limit[:, joint].argmax()))

@@ -27,6 +27,8 @@ class Cycle(Settings):
     reach_s: Duration
     work_s: Duration
     return_s: Duration
+    # What of the hand follows its trajectory on the way home: pose, or position only.
+    return_hand: Literal["pose", "position"] = "pose"
 
     @property
     def duration_s(self) -> float:

@@ -112,9 +112,9 @@ class Simulator:
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
         shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
-        # how the hand is turned matters on the way to the object and at work, not on the way home
         self._turned_share = np.ones(self.ticks)
-        self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
+        if request.cycle.return_hand == "position":
+            self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
         self.body = _Body(request, self.runs[0])
         self.references = {
