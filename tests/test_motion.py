@@ -19,7 +19,7 @@ from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle
-from fatigue_planner.motion.simulator import MotionRequest, Simulator, _Body, simulate
+from fatigue_planner.motion.simulator import Body, MotionRequest, Simulator, simulate
 from fatigue_planner.motion.verification import ROWS, MismatchError, measure
 from fatigue_planner.reactions.reaction import Reaction
 
@@ -94,7 +94,7 @@ def test_a_joint_driven_hard_at_its_limit_never_passes_it() -> None:
         assert q[0] == pytest.approx(0.5, abs=1e-6)
 
 
-def mid_reach(paper: Experiment, index: int) -> _Body:
+def mid_reach(paper: Experiment, index: int) -> Body:
     """A body half-way through its reach, at speed, with its references set."""
     request = reaction_requests(paper)[index].motion
     simulator = Simulator(request)

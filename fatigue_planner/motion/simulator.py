@@ -6,17 +6,16 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.errors import FailedMotionError
 from fatigue_planner.human.joint_data import MaximumTorque
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, Tool, Worker, build_human
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
-from fatigue_planner.motion.controller import LimitKind, WholeBodyController
+from fatigue_planner.motion.controller import WholeBodyController
+from fatigue_planner.motion.failure import failure
 from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.references import hand_reference
-from fatigue_planner.motion.saturation import Saturation, saturation
 from fatigue_planner.motion.schedule import Run, forces_of, phases_of, rise_of, runs_of, share_of
 from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
@@ -27,9 +26,6 @@ from fatigue_planner.motion.tasks.registry import Preference
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-# A joint that is at its maximum torque for more of the time than this is not strong enough.
-LASTING = 0.1
 
 
 @dataclass(frozen=True)
@@ -45,7 +41,7 @@ class MotionRequest:
     preference: Preference
 
 
-class _Body:
+class Body:
     """The worker with masses in the hands: state, tasks and controller."""
 
     def __init__(self, request: MotionRequest, run: Run) -> None:
@@ -83,18 +79,6 @@ class _Body:
         moment = (at[:2] - self.stance_centre_m) * force_n[2] - at[2] * force_n[:2]
         self.balance.reference_m = self.balance.reference_m + moment / weight
 
-    def too_far(self) -> str:
-        """Which hand's reference is farther from its shoulder than the arm is long, in words; empty if none."""
-        body = self.human.anthropometry
-        arm = sum(float(np.linalg.norm(link)) for link in (body.joint_centre("right_elbow"),
-                  body.joint_centre("right_wrist"), body.grip_m()))  # fmt: skip
-        for side, task in self.hands.items():
-            shoulder = self.state.placement(self.state.frame(f"{side}_upper_arm")).translation
-            away = float(np.linalg.norm(task.reference.position_m[task.moment] - shoulder))
-            if away > arm:
-                return f"the {side} hand should be {away:.2f} m from the shoulder, the arm measures {arm:.2f} m"
-        return ""
-
     def fist(self, side: Side) -> Pose:
         """Where a fist is."""
         placement = self.state.placement(self.grips[side])
@@ -102,7 +86,7 @@ class _Body:
 
 
 class Simulator:
-    """The digital human at a tick of a cycle; `step` moves it to the next."""
+    """The digital human at a tick of a cycle: `prepare` evaluates it, `advance` moves it to the next."""
 
     def __init__(self, request: MotionRequest) -> None:
         self.request = request
@@ -116,7 +100,7 @@ class Simulator:
         if request.cycle.return_hand == "position":
             self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
         self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
-        self.body = _Body(request, self.runs[0])
+        self.body = Body(request, self.runs[0])
         self.references = {
             side: hand_reference(self.body.fist(side), goal, self.phases, dt)
             for side, goal in request.action.goals().items()
@@ -126,7 +110,7 @@ class Simulator:
 
     def take_up(self, run: Run) -> None:
         """Change the masses in the hands."""
-        self.body = _Body(self.request, run)
+        self.body = Body(self.request, run)
         self._hand_over()
 
     def _hand_over(self) -> None:
@@ -164,40 +148,6 @@ class Simulator:
         state, grips = self.body.state, self.body.grips
         return np.concatenate([state.placement(grips[side]).translation for side in self.references])
 
-    def failure(self, tick: int, torque_nm: Matrix) -> FailedMotionError:
-        """Why there is no movement at this tick, with advice; `torque_nm` (tick, 39) what was exerted before."""
-        phase = next(phase.name for phase in self.phases if tick < phase.stop)
-        where = f"no admissible movement at t = {tick * self.time_step_s:.2f} s ({phase}, tick {tick})"
-        obstacle = self.body.controller.obstacle()
-        if obstacle is None:
-            return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
-        reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
-        factor = self.request.controller.torque_limit_factor
-        limits = (factor * torque for torque in self.request.maximum_torque.vectors())
-        before = saturation(torque_nm, *limits) if tick else Saturation("", 0.0, 0)
-        if before.share > 0:
-            since = before.first_tick * self.time_step_s
-            reason += f"; {before.joint} at its maximum torque {before.share:.0%} of the time, first at {since:.2f} s"
-        too_far = self.body.too_far()
-        if too_far:
-            advice = f"Out of reach: {too_far}. Bring the object closer."
-        elif before.share > LASTING or obstacle.kind is LimitKind.TORQUE:
-            advice = (
-                "What the hands carry is too heavy for this worker in this posture: make the tool or the load lighter, "
-                "or let the hands work closer to the body."
-                if self._loaded()
-                else "The worker is not strong enough for this: a closer object or a longer phase helps."
-            )
-        elif obstacle.kind is LimitKind.JOINT:
-            advice = "Bring the object closer or turn it, or make the phase longer."
-        else:
-            advice = "The body would lose its balance: bring the object closer or make the forces smaller."
-        return FailedMotionError(f"{reason}. {advice}")
-
-    def _loaded(self) -> bool:
-        """Whether the hands carry anything or are pushed."""
-        return bool(self.forces) or any(run.right_kg > 0 or run.left_kg > 0 for run in self.runs)
-
 
 def simulate(request: MotionRequest) -> Motion:
     """Simulate one cycle from the natural stance.
@@ -220,7 +170,7 @@ def simulate(request: MotionRequest) -> Motion:
             force = simulator.prepare(tick)
             result = simulator.body.controller.step()
             if result is None:
-                raise simulator.failure(tick, record["torque_nm"][:tick])
+                raise failure(simulator, tick, record["torque_nm"][:tick])
             record["configuration"][tick], record["velocity"][tick] = simulator.configuration, simulator.velocity
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force

@@ -21,10 +21,8 @@ from fatigue_planner.motion.simulator import MotionRequest
 
 Matrix = NDArray[np.float64]
 
-
 # A sole that presses less has no centre of pressure to speak of; its moments still have to be as small.
 PRESSING_N = 1.0
-
 
 # The arrays of a motion, one row per tick.
 ROWS = (
@@ -73,8 +71,8 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     pressing = np.maximum(normal, PRESSING_N)
     tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
     hands = _hand_errors(request, motion, fists)
-    saturated = saturation(motion.torque_nm[motion.phase("work")], positive, negative)
     at_work = motion.torque_nm[motion.phase("work")]
+    saturated = saturation(at_work, positive, negative)
     mean_share = np.maximum(at_work / positive, -at_work / negative).mean(axis=0) * factor
     eased = np.abs(motion.eased_radps2).max(axis=1)
     # np.max, not max: a NaN must win
