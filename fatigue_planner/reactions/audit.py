@@ -43,7 +43,7 @@ def audit(place: tuple[Path, ReactionName]) -> Audit:
     faults += [
         f"{check} = {value}, stored as {stored[check]}"
         for check, value in asdict(quality).items()
-        if not (value == stored[check] if isinstance(value, str) else abs(value - stored[check]) <= TOLERANCE)
+        if not isinstance(value, str) and not abs(value - stored[check]) <= TOLERANCE
     ]
     if faults:
         return Audit(path, name, "failed", "; ".join(faults))

@@ -29,7 +29,7 @@ from fatigue_planner.motion.quality import Quality
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, versions
 
 FORMAT = "fatplan reaction library"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 2  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
