@@ -32,7 +32,7 @@ from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.viewer.page import FRAMES_PER_S, page
 from fatigue_planner.viewer.performance import Performance, performance_of
 from fatigue_planner.viewer.skin import make_skin
-from fatigue_planner.viewer.stage import METRES_PER_NEWTON, force_arrows, load_colour
+from fatigue_planner.viewer.stage import METRES_PER_NEWTON, METRES_PER_NEWTON_ON_A_HAND, force_arrows, load_colour
 from fatigue_planner.viewer.strip import strip
 
 SHOWN = "average_man/low/back"
@@ -218,3 +218,9 @@ def test_the_page_is_loaded_only_when_asked_for() -> None:
 
 def test_times_of_the_recording_only_grow(messages: list[tuple[float, dict[str, Any]]]) -> None:
     assert all(before <= after for (before, _), (after, _) in pairwise(messages))
+
+
+def test_forces_on_the_hands_are_drawn_larger(shown: Performance) -> None:
+    pushed = replace(shown, motion=replace(shown.motion, hand_force_n=np.full_like(shown.motion.hand_force_n, 10.0)))
+    arrows = force_arrows(pushed.instant(5))
+    np.testing.assert_allclose(arrows[2:, 1] - arrows[2:, 0], METRES_PER_NEWTON_ON_A_HAND * 10, atol=1e-3)

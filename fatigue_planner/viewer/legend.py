@@ -6,6 +6,7 @@ from fatigue_planner.viewer.stage import (
     FORCE,
     FULL_SHARE,
     METRES_PER_NEWTON,
+    METRES_PER_NEWTON_ON_A_HAND,
     OBJECT,
     TOOL,
     Colour,
@@ -25,7 +26,7 @@ def legend() -> str:
     scale = "".join(f"<span>{round(100 * FULL_SHARE * part)} %</span>" for part in (0, 0.5, 1))
     rows = (
         (CENTRE, "centre of mass, and the point of the ground below it"),
-        (FORCE, f"force on a foot or a hand, {METRES_PER_NEWTON * 100:g} m for 100 N"),
+        (FORCE, f"force; 100 N are {METRES_PER_NEWTON * 100:g} m on a foot, {METRES_PER_NEWTON_ON_A_HAND * 100:g} m on a hand"),
         (TOOL, "tool, or another mass in the hand"),
         (OBJECT, "where the hands have to go"),
     )

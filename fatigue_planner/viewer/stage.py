@@ -23,7 +23,8 @@ BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE = (
     (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
 )  # fmt: skip
 OPACITY = 0.4  # so that joints, centre of mass and forces are seen through the body
-METRES_PER_NEWTON = 1e-3
+METRES_PER_NEWTON = 1e-3  # of the forces on the feet, some hundred N
+METRES_PER_NEWTON_ON_A_HAND = 5e-3
 COLOUR_STEPS = 24  # of the joints, from 0 to FULL_SHARE
 FULL_SHARE = 0.6
 _POSITION_STEP, _TURN_STEP = 2.0**-12, 2.0**-13  # what is not seen is not stored: 0.24 mm, 0.01 degrees
@@ -114,8 +115,12 @@ class Stage:
 
 
 def force_arrows(instant: Instant) -> NDArray[np.float32]:
-    """Arrows (F, 2, 3) m of the forces, from where they act, 1 m for 1000 N."""
-    ends = [(force.point_m, force.point_m + METRES_PER_NEWTON * force.force_n) for force in instant.forces]
+    """Arrows (4, 2, 3) m of the forces on feet and hands, from where they act; on the hands in a larger scale."""
+    scales = (METRES_PER_NEWTON, METRES_PER_NEWTON, METRES_PER_NEWTON_ON_A_HAND, METRES_PER_NEWTON_ON_A_HAND)
+    ends = [
+        (force.point_m, force.point_m + scale * force.force_n)
+        for force, scale in zip(instant.forces, scales, strict=True)
+    ]
     return _rounded(np.array(ends)).astype(np.float32)
 
 
