@@ -24,9 +24,10 @@ def legend() -> str:
     stops = [load_colour(FULL_SHARE * step / COLOUR_STEPS) for step in range(COLOUR_STEPS + 1)]
     bar = f"height:12px;margin-top:3px;background:linear-gradient(to right,{','.join(_css(stop) for stop in stops)})"
     scale = "".join(f"<span>{round(100 * FULL_SHARE * part)} %</span>" for part in (0, 0.5, 1))
+    on_foot, on_hand = 100 * METRES_PER_NEWTON, 100 * METRES_PER_NEWTON_ON_A_HAND
     rows = (
         (CENTRE, "centre of mass, and the point of the ground below it"),
-        (FORCE, f"force; 100 N are {METRES_PER_NEWTON * 100:g} m on a foot, {METRES_PER_NEWTON_ON_A_HAND * 100:g} m on a hand"),
+        (FORCE, f"force; 100 N are {on_foot:g} m on a foot, {on_hand:g} m on a hand"),
         (TOOL, "tool, or another mass in the hand"),
         (OBJECT, "where the hands have to go"),
     )
