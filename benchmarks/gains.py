@@ -37,7 +37,7 @@ def describe(request: MotionRequest, motion: Motion) -> str:
     human = build_human(request.worker)
     data = human.model.createData()
     work = motion.phase("work")
-    middle = (work.start + work.stop) // 2
+    middle = motion.middle("work")
     pin.framesForwardKinematics(human.model, data, motion.configuration[middle])
 
     def lean(segment: str) -> float:

@@ -15,12 +15,12 @@ from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
 from fatigue_planner.motion.limits import acceleration_bounds
 from fatigue_planner.motion.loads import HandForce, TimedForce
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
-from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.motion.motion import ROWS, Motion, Phase
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
 from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import Body, MotionRequest, Simulator, simulate
-from fatigue_planner.motion.verification import ROWS, MismatchError, measure
+from fatigue_planner.motion.verification import MismatchError, measure
 from fatigue_planner.reactions.reaction import Reaction
 
 

@@ -1,6 +1,7 @@
 """The reaction cache: published whole, checked on reading, found again, made anew only where it matters."""
 
 import shutil
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.audit import audit
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, names_in, read_library, write_reaction
+from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, names_in, read_reaction, write_reaction
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -33,6 +34,10 @@ def brief(paper: Experiment) -> Experiment:
             "accuracy": paper.accuracy.model_copy(update={"hand_error_m": 0.05}),
         }
     )
+
+
+def read_library(path: Path) -> Iterator[Reaction]:
+    return (read_reaction(path, name) for name in names_in(path))
 
 
 def complete(experiment: Experiment, folder: Path):

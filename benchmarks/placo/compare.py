@@ -166,7 +166,7 @@ def summary(request: MotionRequest, motion: Motion) -> dict[str, Any]:
     """Of our motion what controller.py says of placo's."""
     names = list(build_human(request.worker).model.names)[2:]
     work = motion.phase("work")
-    middle, half_second = (work.start + work.stop) // 2, round(0.5 / motion.time_step_s)
+    middle, half_second = motion.middle("work"), round(0.5 / motion.time_step_s)
     second = slice(middle - half_second, middle + half_second)
     return {
         "work_hand_error_m": motion.hand_error_m[work].max(),

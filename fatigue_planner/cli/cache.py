@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs, talk
+from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs, counter, talk
 from fatigue_planner.errors import DamagedFileError, ExitCode, FatplanError, MissingLibraryError, OtherVersionError
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.reactions.audit import Audit, audit
@@ -35,9 +34,8 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
     if not files:
         raise MissingLibraryError(f"{cache}: no reaction library there. Run `fatplan simulate` first.")
     places, unreadable = _contents(files)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     audits = {}
-    with Progress(*columns, console=talk()) as bar:
+    with counter(talk()) as bar:
         task = bar.add_task("Checking reactions", total=len(places))
         for place, result in run_parallel(audit, places, jobs):
             audits[place] = result

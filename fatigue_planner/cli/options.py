@@ -7,6 +7,7 @@ from typing import Annotated, TypeVar
 
 import typer
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.parallel import available_cores
@@ -55,3 +56,9 @@ def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> lis
 def talk() -> Console:
     """Where progress and messages go: the terminal's error stream, apart from results."""
     return Console(stderr=True, highlight=False, soft_wrap=True)
+
+
+def counter(console: Console) -> Progress:
+    """A progress bar that counts pieces of work."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    return Progress(*columns, console=console)

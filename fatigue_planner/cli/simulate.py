@@ -3,7 +3,6 @@
 import time
 
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from fatigue_planner.cli.options import (
     ALL_CORES,
@@ -12,6 +11,7 @@ from fatigue_planner.cli.options import (
     CacheFolder,
     ExperimentFile,
     Jobs,
+    counter,
     talk,
 )
 from fatigue_planner.errors import ExitCode
@@ -33,8 +33,7 @@ def simulate(
     settings = load_experiment(experiment)
     requests = reaction_requests(settings)
     store, console = ReactionCache(cache), talk()
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console) as bar:
+    with counter(console) as bar:
         task = bar.add_task("Simulating reactions", total=len(requests))
         path, outcomes = store.complete(settings.name, requests, jobs, lambda _: bar.advance(task))
     for warning in store.damaged:

@@ -14,6 +14,7 @@ from fatigue_planner.cli.options import (
     DEFAULT_RESULTS,
     CacheFolder,
     ExperimentFile,
+    choose,
     command_line,
     talk,
 )
@@ -21,7 +22,8 @@ from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.files import publish, publish_text, writable_folder
+from fatigue_planner.figures.style import publish_png
+from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.viewer.performance import Performance, performance_of
 from fatigue_planner.viewer.strip import strip
@@ -62,9 +64,7 @@ def view(
     if kind == ".png":
         _check_times(at or [], performances)
         figure = strip(performances, at or [])
-        publish(
-            path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}, bbox_inches="tight")
-        )
+        publish_png(path, figure)
     else:
         from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 
@@ -81,10 +81,7 @@ def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, comm
     """The reactions to show, in the experiment's order. Raises SelectionError for a name it does not have."""
     requests = reaction_requests(settings)
     known = [str(request.name) for request in requests]
-    for name in wanted:
-        if name not in known:
-            raise SelectionError(f"--reaction {name}: not in the experiment; available: {', '.join(known)}")
-    chosen = wanted or known[:MOST_UNASKED]
+    chosen = choose("reaction", known, wanted) if wanted else known[:MOST_UNASKED]
     if not wanted and len(known) > MOST_UNASKED:
         talk().print(
             f"The first {MOST_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False

@@ -1,5 +1,7 @@
 """What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from fatigue_planner.errors import DataFileError
@@ -28,9 +30,10 @@ def check_meaning(experiment: Experiment) -> None:
                 fatigue_state(state.fatigue)
             except DataFileError as error:
                 raise DataFileError(f"initial_beliefs.{name}.{place}.{error}") from error
+    longest_m = {name: _longest_reach_m(worker) for name, worker in experiment.workers.items()}
     for name, action in experiment.actions.items():
         _check_times(experiment, name, action)
-        _check_reach(experiment, name, action)
+        _check_reach(longest_m, name, action)
 
 
 def _check_preferences(experiment: Experiment, human: Human) -> None:
@@ -61,9 +64,8 @@ def _check_times(experiment: Experiment, name: str, action: Action) -> None:
             )
 
 
-def _check_reach(experiment: Experiment, name: str, action: Action) -> None:
-    for worker_name, worker in experiment.workers.items():
-        longest = _longest_reach_m(worker)
+def _check_reach(longest_m: Mapping[str, float], name: str, action: Action) -> None:
+    for worker_name, longest in longest_m.items():
         for side, goal in action.goals().items():
             for waypoint in goal.path():
                 distance = float(np.linalg.norm(waypoint.position_m.vector()))

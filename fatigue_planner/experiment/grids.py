@@ -8,11 +8,11 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from fatigue_planner.errors import ExperimentError
+from fatigue_planner.experiment.schema import LONGEST_NAME
 from fatigue_planner.settings import Settings
 
 HANDS = ("right_hand", "left_hand")
 MOST_PLACES = 10_000
-LONGEST_NAME = 40  # of an action, in the schema
 
 
 class Range(Settings):

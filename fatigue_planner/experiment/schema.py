@@ -12,7 +12,8 @@ from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.registry import PolicySettings
 from fatigue_planner.settings import Settings
 
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.-]{0,39}$")]
+LONGEST_NAME = 40
+Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST_NAME - 1}}}$")]
 Level = Annotated[float, Field(ge=0, le=1)]
 
 # Names of the files a results folder holds besides the figures of the returns.

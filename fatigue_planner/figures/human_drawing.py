@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Human
@@ -54,9 +55,7 @@ def landmarks(human: Human, configuration: Vector) -> dict[str, Vector]:
     return points
 
 
-def draw_human(
-    axes: Axes, human: Human, points: Mapping[str, Vector], view: View, working: Sequence[str] = ("right",)
-) -> None:
+def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: View, working: Sequence[str]) -> None:
     """Draw the body, squares at the fists that work and the ground, far parts first."""
     stature = human.anthropometry.stature_m
 
@@ -93,6 +92,12 @@ def draw_joint_loads(
         (places @ view.across)[order], places[order, 2], c=colours[order], cmap="YlOrRd", vmin=0, vmax=60, s=26,
         edgecolors="0.2", linewidths=0.6, zorder=3,
     )  # fmt: skip
+
+
+def draw_load_scale(figure: Figure, axes: Sequence[Axes], discs: PathCollection, shrink: float) -> None:
+    """The colours of `draw_joint_loads` explained below some panels."""
+    label = "largest load at the joint, % of the maximum torque\n(blue squares: the fists that work)"
+    figure.colorbar(discs, ax=list(axes), location="bottom", shrink=shrink, aspect=50, label=label, extend="max")
 
 
 def _capsule(start: Vector, end: Vector, radius: float) -> Vector:

@@ -26,7 +26,7 @@ def place_table(actions: Mapping[str, Action], maps: Mapping[ReactionName, Cycle
         place = goal.path()[0].position_m
         fatigue = np.where(cycle.offset > 0, cycle.offset / np.maximum(1 - cycle.gain, 1e-300), 0.0)
         rows.append(
-            dict(zip(("worker", "action", "preference"), name, strict=True))
+            name._asdict()
             | {"x_m": place.x, "y_m": place.y, "z_m": place.z, "long_run_cost": float(np.mean(fatigue**2))}
         )
     return pd.DataFrame(rows)

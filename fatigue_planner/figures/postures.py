@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from fatigue_planner.fatigue.cycle_map import loads
 from fatigue_planner.fatigue.parameters import DIRECTIONS, ENTRIES, FatigueParameters
-from fatigue_planner.figures.human_drawing import FRONT, SIDE, View, draw_human, draw_joint_loads, landmarks
+from fatigue_planner.figures.human_drawing import (
+    FRONT,
+    SIDE,
+    View,
+    draw_human,
+    draw_joint_loads,
+    draw_load_scale,
+    landmarks,
+)
 from fatigue_planner.figures.style import new_figure, words
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import JOINTS, SIDES
@@ -20,12 +28,6 @@ Vector = NDArray[np.float64]
 # Up to so many reactions are drawn from two sides in one row; more from the right only, in rows of at most WIDEST.
 FEW = 9
 WIDEST = 15
-
-
-def mid_work(reaction: Reaction) -> int:
-    """The tick in the middle of the work phase."""
-    work = reaction.motion.phase("work")
-    return int(work.start + work.stop) // 2
 
 
 def posture_figure(
@@ -42,7 +44,7 @@ def posture_figure(
         panel.set_axis_off()
     rows = []
     for place, reaction in enumerate(reactions):
-        tick = mid_work(reaction)
+        tick = reaction.motion.middle("work")
         points = landmarks(human, reaction.motion.configuration[tick])
         shares = joint_shares(loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm)
         row, column = divmod(place, across)
@@ -59,13 +61,12 @@ def posture_figure(
         share_at = {joint.child: shares[joint.name] for joint in JOINTS}
         for landmark, position in points.items():
             rows.append(
-                dict(zip(("worker", "action", "preference"), reaction.name, strict=True))
+                reaction.name._asdict()
                 | {"landmark": landmark}
                 | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
                 | {"share_of_maximum": share_at.get(landmark, np.nan)}
             )
-    label = "largest load at the joint, % of the maximum torque\n(blue squares: the fists that work)"
-    figure.colorbar(discs, ax=list(axes[-1]), location="bottom", shrink=0.7, aspect=50, label=label, extend="max")
+    draw_load_scale(figure, axes[-1], discs, 0.7)
     return figure, pd.DataFrame(rows)
 
 

@@ -32,10 +32,15 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
+def publish_png(path: Path, figure: Figure) -> None:
+    """Publish a figure as PNG, the same bytes every time."""
+    publish(path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}, bbox_inches="tight"))
+
+
 def save_figure(folder: Path, name: str, figure: Figure, data: pd.DataFrame) -> list[Path]:
     """Publish name.png, name.svg and the data behind them as name.csv; returns the paths."""
     paths = [folder / f"{name}.{kind}" for kind in ("png", "svg", "csv")]
-    publish(paths[0], lambda path: figure.savefig(path, metadata={"Software": "fatplan"}, bbox_inches="tight"))
+    publish_png(paths[0], figure)
     publish(
         paths[1], lambda path: figure.savefig(path, metadata={"Date": None, "Creator": "fatplan"}, bbox_inches="tight")
     )

@@ -10,7 +10,7 @@ from fatigue_planner.fatigue.cycle_map import loads
 from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
 from fatigue_planner.figures.postures import FEW
 from fatigue_planner.figures.style import COLOURS, new_figure, words
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 MOST_LOADED = 6  # entries drawn over time
 
@@ -22,7 +22,7 @@ def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, Fatigue
         own = parameters[reaction.name.worker]
         mean = loads(reaction.motion.torque_nm[reaction.motion.phase("work")]).mean(axis=0)
         rows += [
-            dict(zip(("worker", "action", "preference"), reaction.name, strict=True))
+            reaction.name._asdict()
             | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / most, "threshold": threshold}
             for entry, torque, most, threshold in zip(ENTRIES, mean, own.maximum_torque_nm, own.threshold, strict=True)
         ]
@@ -38,7 +38,7 @@ def torque_figure(
     entries = [entry for entry in ENTRIES if entry in tiring] or list(ENTRIES[:1])
     shares = np.array(
         [
-            table.loc[(table[["worker", "action", "preference"]] == list(r.name)).all(axis=1)]
+            table.loc[(table[list(ReactionName._fields)] == list(r.name)).all(axis=1)]
             .set_index("entry")
             .loc[entries, "share_of_maximum"]
             for r in reactions
@@ -112,8 +112,7 @@ def course_figure(
                 label=_entry_label(ENTRIES[entry]),
             )  # fmt: skip
             rows += [
-                dict(zip(("worker", "action", "preference"), reaction.name, strict=True))
-                | {"time_s": time, "entry": ENTRIES[entry], "share_of_maximum": value}
+                reaction.name._asdict() | {"time_s": time, "entry": ENTRIES[entry], "share_of_maximum": value}
                 for time, value in zip(times, share[::every, entry], strict=True)
             ]
         work = motion.phase("work")

@@ -4,11 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import compiled
+from fatigue_planner.human.model import BASE_DOF
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-_BASE = 6  # degrees of freedom of the pelvis
 
 
 @compiled
@@ -39,32 +38,32 @@ def assemble(
     rows: M_b a - J_b' w = -bias_b (6) and J a = required (12), with b the pelvis' and a the joints' part.
     """
     nv, wrenches = len(mass), len(contact_jacobian)
-    joints = nv - _BASE
-    torque_map[:, :nv] = mass[_BASE:]
-    A[:_BASE, :nv] = mass[:_BASE]
-    A[_BASE:, :nv] = contact_jacobian
+    joints = nv - BASE_DOF
+    torque_map[:, :nv] = mass[BASE_DOF:]
+    A[:BASE_DOF, :nv] = mass[:BASE_DOF]
+    A[BASE_DOF:, :nv] = contact_jacobian
     for i in range(wrenches):
-        for j in range(_BASE):
+        for j in range(BASE_DOF):
             A[j, nv + i] = -contact_jacobian[i, j]
         for j in range(joints):
-            torque_map[j, nv + i] = -contact_jacobian[i, _BASE + j]
-    for i in range(_BASE):
+            torque_map[j, nv + i] = -contact_jacobian[i, BASE_DOF + j]
+    for i in range(BASE_DOF):
         row_lower[i] = row_upper[i] = -bias[i]
-    row_lower[_BASE:] = required
-    row_upper[_BASE:] = required
+    row_lower[BASE_DOF:] = required
+    row_upper[BASE_DOF:] = required
     scaled = np.empty_like(torque_map)
     for j in range(joints):
         scaled[j] = torque_scale[j] * torque_map[j]
     H[:] = torque_map.T @ scaled
-    g[:] = bias[_BASE:] @ scaled
+    g[:] = bias[BASE_DOF:] @ scaled
     weighted = np.empty_like(task_jacobian)
     for row in range(len(task_jacobian)):
         weighted[row] = task_weight[row] * task_jacobian[row]
     H[:nv, :nv] += task_jacobian.T @ weighted
     g[:nv] -= task_target @ weighted
     for j in range(joints):
-        H[_BASE + j, _BASE + j] += posture_weight
-        g[_BASE + j] -= posture_weight * posture_target[j]
+        H[BASE_DOF + j, BASE_DOF + j] += posture_weight
+        g[BASE_DOF + j] -= posture_weight * posture_target[j]
     for i in range(wrenches):
         H[nv + i, nv + i] += wrench_scale[i]
 

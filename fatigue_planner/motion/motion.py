@@ -1,6 +1,6 @@
 """What a simulation leaves: the motion of one cycle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -43,3 +43,12 @@ class Motion:
     def phase(self, name: str) -> slice:
         """The ticks of a phase."""
         return next(slice(phase.start, phase.stop) for phase in self.phases if phase.name == name)
+
+    def middle(self, name: str) -> int:
+        """The tick in the middle of a phase."""
+        ticks = self.phase(name)
+        return int(ticks.start + ticks.stop) // 2
+
+
+# The arrays of a motion, one row per tick.
+ROWS = tuple(field.name for field in fields(Motion) if field.name not in {"time_step_s", "phases"})

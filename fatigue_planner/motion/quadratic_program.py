@@ -151,7 +151,11 @@ def _optimality(H: Matrix, A: Matrix, g: Vector, lower: Vector, upper: Vector, x
 
 
 def solve_either(program: QuadraticProgram) -> Vector | None:
-    """The minimiser (n,) by the program's solver or, where that fails, by another one."""
+    """The minimiser (n,) by the program's solver or, where that fails, by another one.
+
+    The other one is made anew each time: qpOASES goes on from its last answer, and a tick's answer must
+    not depend on the ticks before it.
+    """
     solution = program.solve()
     if solution is not None:
         return solution

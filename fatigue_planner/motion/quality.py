@@ -90,6 +90,10 @@ class Quality:
         """ok; degraded, if usable although limits had to be eased; failed."""
         if self.faults(required):
             return "failed"
+        return self.kept_as()
+
+    def kept_as(self) -> Verdict:
+        """The verdict on a motion that fulfils everything: degraded if limits had to be eased."""
         return "degraded" if self.eased_ticks else "ok"
 
     def degradation(self) -> str:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Tool
+from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.loads import CarriedMass, HandForce
 from fatigue_planner.motion.minimum_jerk import minimum_jerk
@@ -44,8 +45,7 @@ def runs_of(tool: Tool, action: Action, phases: tuple[Phase, ...]) -> tuple[Run,
     runs: list[Run] = []
     for phase in phases:
         right, left = (
-            sum((m.mass_kg for m in masses if m.hand == side and phase.name in m.during), 0.0)
-            for side in ("right", "left")
+            sum((m.mass_kg for m in masses if m.hand == side and phase.name in m.during), 0.0) for side in SIDES
         )
         if runs and runs[-1][2:] == (right, left):
             runs[-1] = runs[-1]._replace(stop=phase.stop)

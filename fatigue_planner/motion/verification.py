@@ -11,7 +11,7 @@ from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
-from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.motion import ROWS, Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.replay import energy_error_share, replay
@@ -23,11 +23,6 @@ Matrix = NDArray[np.float64]
 
 # A sole that presses less has no centre of pressure to speak of; its moments still have to be as small.
 PRESSING_N = 1.0
-
-# The arrays of a motion, one row per tick.
-ROWS = (
-    "configuration", "velocity", "acceleration", "torque_nm", "wrench", "hand_force_n", "hand_error_m", "eased_radps2"
-)  # fmt: skip
 
 
 class MismatchError(ValueError):
@@ -70,7 +65,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     normal = forces[:, 2]
     pressing = np.maximum(normal, PRESSING_N)
     tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
-    hands = _hand_errors(request, motion, fists)
+    hands = _hand_errors(human, request, motion, fists)
     at_work = motion.torque_nm[motion.phase("work")]
     saturated = saturation(at_work, positive, negative)
     mean_share = np.maximum(at_work / positive, -at_work / negative).mean(axis=0) * factor
@@ -128,8 +123,9 @@ def _integration_error(human: Human, motion: Motion) -> float:
     return float(np.max([np.abs(part).max() for part in parts]))
 
 
-def _hand_errors(request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]) -> _HandErrors:
-    human = build_human(request.worker)
+def _hand_errors(
+    human: Human, request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]
+) -> _HandErrors:
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, human.stance)
     distances, turn = [], 0.0

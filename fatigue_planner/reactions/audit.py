@@ -47,5 +47,5 @@ def audit(place: tuple[Path, ReactionName]) -> Audit:
     ]
     if faults:
         return Audit(path, name, "failed", "; ".join(faults))
-    verdict = quality.verdict(request.accuracy)
+    verdict = quality.kept_as()
     return Audit(path, name, verdict, quality.degradation() if verdict == "degraded" else "")

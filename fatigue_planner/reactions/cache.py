@@ -169,8 +169,7 @@ def _holds(path: Path, requests: Sequence[ReactionRequest]) -> bool:
 
 
 def _found(reaction: Reaction) -> Outcome:
-    verdict: Verdict = "degraded" if reaction.quality.eased_ticks else "ok"
-    return Outcome(reaction.name, reaction.digest, verdict, True, reaction.quality)
+    return Outcome(reaction.name, reaction.digest, reaction.quality.kept_as(), True, reaction.quality)
 
 
 def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:
@@ -185,4 +184,4 @@ def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:
     if faults:
         return Outcome(request.name, request.digest, "failed", False, quality, "; ".join(faults))
     write_reaction(path, Reaction(request.name, request.digest, request.settings, motion, quality))
-    return Outcome(request.name, request.digest, quality.verdict(request.accuracy), False, quality)
+    return Outcome(request.name, request.digest, quality.kept_as(), False, quality)

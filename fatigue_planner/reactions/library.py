@@ -13,7 +13,7 @@ import hashlib
 import io
 import json
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import NamedTuple
@@ -155,12 +155,6 @@ def read_reaction(path: Path, name: ReactionName) -> Reaction:
             return _read_reaction(path, name, file[_place(name)])
     except _UNREADABLE as error:
         raise DamagedFileError(f"{path}: {name} cannot be read ({error}).") from error
-
-
-def read_library(path: Path) -> Iterator[Reaction]:
-    """The reactions of a library, one by one, each checked. Raises as `names_in` and `read_reaction`."""
-    for name in names_in(path):
-        yield read_reaction(path, name)
 
 
 def _read_reaction(path: Path, name: ReactionName, group: h5py.Group) -> Reaction:

@@ -57,8 +57,7 @@ class MidWork:
 def mid_work(human: Human, tool_mass_kg: float, reaction: Reaction) -> MidWork:
     """What a reaction costs in the middle of its work; `human` holds the tool."""
     motion = reaction.motion
-    work = motion.phase("work")
-    tick = (work.start + work.stop) // 2
+    tick = motion.middle("work")
     configuration = motion.configuration[tick]
     rest = np.zeros(human.model.nv)
     data = human.model.createData()

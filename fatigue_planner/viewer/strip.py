@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from fatigue_planner.figures.human_drawing import SIDE, draw_human, draw_joint_loads, landmarks
+from fatigue_planner.figures.human_drawing import SIDE, draw_human, draw_joint_loads, draw_load_scale, landmarks
 from fatigue_planner.figures.style import new_figure, words
 from fatigue_planner.viewer.performance import Performance
 
 
 def telling_times(performance: Performance) -> list[float]:
     """The start of the cycle and the middle of every phase, in s."""
-    step = performance.motion.time_step_s
-    return [0.0, *((phase.start + phase.stop) // 2 * step for phase in performance.motion.phases)]
+    motion = performance.motion
+    return [0.0, *(motion.middle(phase.name) * motion.time_step_s for phase in motion.phases)]
 
 
 def strip(performances: Sequence[Performance], times_s: Sequence[float]) -> Figure:
@@ -34,6 +34,5 @@ def strip(performances: Sequence[Performance], times_s: Sequence[float]) -> Figu
         for panel in panels[len(times) :]:
             panel.set_axis_off()
         panels[0].text(-0.06, 0.5, words(performance.title), transform=panels[0].transAxes, rotation=90, va="center")
-    label = "largest load at the joint, % of the maximum torque \n(blue squares: the fists that work)"
-    figure.colorbar(discs, ax=list(axes[-1]), location="bottom", shrink=0.8, aspect=50, label=label, extend="max")
+    draw_load_scale(figure, axes[-1], discs, 0.8)
     return figure

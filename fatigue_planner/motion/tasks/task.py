@@ -40,9 +40,9 @@ class PreferenceTask(Settings):
     weight: Positive
     during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
 
+    @abstractmethod
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """The task for a human; `state` is evaluated in the natural stance.
 
         Raises DataFileError for names or angles the human does not have.
         """
-        raise NotImplementedError
