@@ -2,17 +2,22 @@
 
 Numba's own cache looks at one source file only and misses a changed callee in another. Here the
 cache folder carries the digest of every source of the package and of numba's version, so a change
-anywhere starts a fresh one.
+anywhere starts a fresh one. A kernel that calls functions from outside the package (see `specialised`)
+is kept in a folder that carries the digest of their code, too.
 """
 
+import hashlib
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 
 from fatigue_planner.errors import OutputFolderError
 from fatigue_planner.files import DIGEST_LENGTH, PACKAGE, digest_of, digest_of_files, writable_folder
@@ -20,6 +25,7 @@ from fatigue_planner.files import DIGEST_LENGTH, PACKAGE, digest_of, digest_of_f
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+@cache
 def cache_folder() -> Path:
     """Folder of the compiled kernels of these sources: the user's cache, or a temporary one if it must be."""
     key = digest_of([digest_of_files(PACKAGE.rglob("*.py")), version("numba")])[:DIGEST_LENGTH]
@@ -37,3 +43,59 @@ def compiled(function: F) -> F:
     """Compile a function to machine code that releases Python's lock; division by zero gives inf."""
     decorated: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return decorated
+
+
+def specialised(template: Callable[..., Any], **parts: Any) -> Callable[..., Any]:
+    """A compiled copy of a plain function in which the global names `parts` stand for these compiled functions.
+
+    So one kernel serves every problem: the problem's functions become part of its machine code. Equal
+    templates and parts give the same compiled function.
+    """
+    return _specialised(template, tuple(sorted(parts.items())))
+
+
+@cache
+def _specialised(template: Callable[..., Any], parts: tuple[tuple[str, Hashable], ...]) -> Callable[..., Any]:
+    assert isinstance(template, FunctionType)
+    copy = FunctionType(
+        template.__code__, {**template.__globals__, **dict(parts)}, template.__name__, template.__defaults__
+    )
+    copy.__module__, copy.__qualname__, copy.__doc__ = template.__module__, template.__qualname__, template.__doc__
+    key = hashlib.sha256(repr([_meaning(part, ()) for _, part in parts]).encode()).hexdigest()[:DIGEST_LENGTH]
+    common = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(Path(common) / key)
+    try:
+        kernel = compiled(copy)
+    finally:
+        numba.config.CACHE_DIR = common
+    copy.__globals__[template.__name__] = kernel  # so that it can call itself
+    return kernel
+
+
+def _meaning(value: object, inside: tuple[object, ...]) -> object:
+    """What a compiled function's behaviour depends on: its code and, in turn, all the globals it names."""
+    function = getattr(value, "py_func", value)
+    if isinstance(function, FunctionType):
+        if function in inside:
+            return function.__qualname__
+        known = function.__globals__
+        used = {name: _meaning(known[name], (*inside, function)) for name in _names(function.__code__) if name in known}
+        cells = [_meaning(cell.cell_contents, (*inside, function)) for cell in function.__closure__ or ()]
+        return [_plain(function.__code__), used, cells, repr(function.__defaults__)]
+    if isinstance(value, np.ndarray):
+        return [value.dtype.str, value.shape, value.tobytes()]
+    if isinstance(value, ModuleType):
+        file = Path(value.__file__ or "")
+        foreign = file.suffix == ".py" and "site-packages" not in file.parts and not file.is_relative_to(PACKAGE)
+        return [value.__name__, file.read_bytes() if foreign else b""]
+    return repr(value)
+
+
+def _names(code: CodeType) -> list[str]:
+    inner = [name for constant in code.co_consts if isinstance(constant, CodeType) for name in _names(constant)]
+    return sorted({*code.co_names, *inner})
+
+
+def _plain(code: CodeType) -> object:
+    constants = [_plain(item) if isinstance(item, CodeType) else repr(item) for item in code.co_consts]
+    return [code.co_code, constants, code.co_names, code.co_varnames]

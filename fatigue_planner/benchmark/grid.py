@@ -1,13 +1,12 @@
 """The cells of a benchmark and the selection a command makes of them."""
 
-import math
 from dataclasses import dataclass
 from importlib.metadata import version
 
 from fatigue_planner.files import digest_of, digest_of_package
-from fatigue_planner.planners.registry import PolicySettings, build_policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.pomdp.situation import Situation
 
 # What produces the numbers of a trial besides its settings and reactions.
 SOURCES = ("fatigue", "pomdp", "planners", "benchmark")
@@ -21,8 +20,7 @@ class Cell:
     n_cycles: int
     policy: str
     settings: PolicySettings
-    model: FatiguePomdp
-    initial: Belief
+    situation: Situation
     seed: int
     trials: int
 
@@ -33,24 +31,19 @@ class Cell:
 
     def digest(self) -> str:
         """Key of the cell's trials: everything that decides them but their number."""
-        model = self.model
         return digest_of(
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
-                "expertise": repr(model.expertise),
-                "discount": model.discount,
-                "maps": [model.gain.tolist(), model.offset.tolist(), model.observation.tolist(), model.entries],
-                "initial": [self.initial.states.tolist(), self.initial.weights.tolist()],
+                "situation": self.situation.fingerprint(),
                 "sources": digest_of_package(*SOURCES),
                 "versions": {library: version(library) for library in ("numpy", "numba")},
             }
         )
 
     def is_deterministic(self) -> bool:
-        """Whether every run is the same (paper, footnote 4): known start, expert, no dice in the policy."""
-        certain = len(self.initial.weights) == 1 and self.model.expertise == math.inf
-        return certain and not build_policy(self.model, self.settings).draws_at_random
+        """Whether every run is the same (paper, footnote 4): nothing left to chance, no dice in the policy."""
+        return self.situation.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
 
     def trial_numbers(self) -> range:
         """The trials to run: one where every run is the same."""

@@ -23,8 +23,8 @@ def run_cell(cell: Cell, trials: Sequence[int]) -> Results:
     for trial in trials:
         world = draw_world(cell.seed, cell.condition, cell.n_cycles, trial)
         planner = stream(cell.seed, "planner", cell.condition, cell.n_cycles, trial, cell.policy)
-        policy = build_policy(cell.model, cell.settings)
-        results[trial] = run_trial(cell.model, cell.initial, policy, cell.n_cycles, world, planner)
+        policy = build_policy(cell.settings)
+        results[trial] = run_trial(cell.situation, policy, cell.settings.knows, cell.n_cycles, world, planner)
     return results
 
 
@@ -58,7 +58,9 @@ def _run_and_keep(part: tuple[Cell, list[int], Path]) -> Results:
     """Run some trials and store them at once, whatever becomes of the parent process."""
     cell, trials, store_folder = part
     # a throw-away decision: no planning time includes loading compiled code
-    build_policy(cell.model, cell.settings).act(cell.initial, np.random.default_rng(0))
+    rng = np.random.default_rng(0)
+    belief = cell.situation.initial_belief(cell.settings.knows, cell.situation.model, rng)
+    build_policy(cell.settings).act(belief, rng)
     results = run_cell(cell, trials)
     TrialStore(store_folder).add(cell, results)
     return results

@@ -8,16 +8,17 @@ from numpy.typing import NDArray
 
 from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.planners.policy import Policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.pomdp.problem import draw
+from fatigue_planner.pomdp.situation import Knowledge, Situation
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class World:
-    """The chance of one run: uniform draws in [0, 1) for the start and for every cycle."""
+    """The chance of one run: uniform draws in [0, 1) for the worker (3,), the start and every cycle."""
 
+    worker: Vector
     start: float
     preference: Vector
     observation: Vector
@@ -38,38 +39,35 @@ def draw_world(seed: int, condition: str, n_cycles: int, trial: int) -> World:
     """The world of a trial, the same for every policy."""
     key = (condition, n_cycles, trial)
     return World(
+        stream(seed, "worker", *key).random(3),
         float(stream(seed, "start", *key).random()),
         stream(seed, "preference", *key).random(n_cycles),
         stream(seed, "observation", *key).random(n_cycles),
     )
 
 
-def _pick(probabilities: Vector, uniform: float) -> int:
-    """The index whose share of [0, 1) holds `uniform`; never one of probability 0."""
-    index = int(np.searchsorted(np.cumsum(probabilities), uniform, side="right"))
-    return min(index, int(np.flatnonzero(probabilities)[-1]))
-
-
 def run_trial(
-    model: FatiguePomdp, initial: Belief, policy: Policy, n_cycles: int, world: World, rng: np.random.Generator
+    situation: Situation, policy: Policy, knows: Knowledge, n_cycles: int, world: World, rng: np.random.Generator
 ) -> TrialResult:
     """Run the task for a number of cycles; `rng` is the planner's own stream.
 
     The return is the sum over the cycles t = 0 ... n_cycles - 1 of gamma^t r_t, r_t = -C(f_t+1).
     """
-    fatigue = initial.states[_pick(initial.weights, world.start)]
-    belief = initial
+    model = situation.worker(world.worker)
+    state = situation.start(world.start)
+    belief = situation.initial_belief(knows, model, rng)
     total, discount = 0.0, 1.0
     costs, times = np.empty(n_cycles), np.empty(n_cycles)
     for cycle in range(n_cycles):
         begin = time.perf_counter()
         action = policy.act(belief, rng).action
         times[cycle] = time.perf_counter() - begin
-        preference = _pick(model.choice(fatigue, action), world.preference[cycle])
-        observation = _pick(model.observation[preference], world.observation[cycle])
-        fatigue = model.next_fatigue(fatigue, action)[preference]
-        costs[cycle] = model.cost(fatigue)
+        preference = draw(model.probabilities(state, action), world.preference[cycle])
+        state, reward = model.after(state, action, preference)
+        observation = draw(model.observation_probabilities(state, action, preference), world.observation[cycle])
+        costs[cycle] = -reward
         total -= discount * costs[cycle]
         discount *= model.discount
-        belief = belief.update(model, action, observation)
+        policy.observe(action, observation)
+        belief = belief.update(action, observation, rng)
     return TrialResult(total, float(costs[-1]), float(costs.max()), float(times.mean()), float(times.max()))

@@ -26,11 +26,11 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_cycle_maps, problem, reaction_requests
+from fatigue_planner.experiment.resolve import load_cycle_profiles, situation, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.cycle_map import CycleMap
+from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
-from fatigue_planner.planners.registry import PomcpSettings
+from fatigue_planner.planners.settings import PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import ReactionName, digests
 from fatigue_planner.statistics.comparison import comparison_table
@@ -63,10 +63,10 @@ def benchmark(
     settings = load_experiment(experiment)
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = _changed(settings, wanted)
-    maps = load_cycle_maps(settings, cache, command_line("simulate", experiment, cache))
+    profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
     folder = writable_folder(results / (settings.name + _suffix(wanted)))
-    cells = _cells(grid, maps)
+    cells = _cells(grid, profiles)
     table = _run(cells, store, jobs)
     publish_table(folder, table)
     comparison = comparison_table(table, settings.significance_level)
@@ -131,11 +131,11 @@ def _suffix(wanted: Selection) -> str:
     return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
-def _cells(experiment: Experiment, maps: Mapping[ReactionName, CycleMap]) -> list[Cell]:
+def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
     grid = experiment.benchmark
-    problems = {name: problem(experiment, maps, condition) for name, condition in grid.conditions.items()}
+    situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
     return [
-        Cell(condition, n_cycles, policy, settings, *problems[condition], grid.seed, grid.trials)
+        Cell(condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials)
         for condition in grid.conditions
         for n_cycles in grid.n_cycles
         for policy, settings in grid.policies.items()

@@ -18,7 +18,7 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.errors import StaleTableError
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.resolve import cycle_profiles, load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.figures.pose_map import place_figure, place_table
 from fatigue_planner.figures.postures import FEW, posture_figure
@@ -71,7 +71,7 @@ def _draw_returns(settings: Experiment, folder: Path, command: str) -> list[Path
 
 def _draw_reactions(settings: Experiment, reactions: Sequence[Reaction], folder: Path) -> list[Path]:
     parameters = worker_fatigue(settings)
-    places = place_table(settings.actions, cycle_maps(settings, reactions))
+    places = place_table(settings.actions, cycle_profiles(settings, reactions))
     files = []
     for worker, person in settings.workers.items():
         suffix = f"_{worker}" if len(settings.workers) > 1 else ""

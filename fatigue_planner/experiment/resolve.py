@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from fatigue_planner.experiment.schema import Condition, Experiment
-from fatigue_planner.fatigue.cycle_map import CycleMap, cycle_map
+from fatigue_planner.fatigue.cycle_map import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.motion.simulator import MotionRequest
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp, build_pomdp
+from fatigue_planner.pomdp.beliefs.registry import fitting
+from fatigue_planner.pomdp.fatigue_model import build_pomdp, one_worker
+from fatigue_planner.pomdp.hidden_worker import WorkerPrior
+from fatigue_planner.pomdp.situation import Situation, average_worker
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
@@ -49,36 +51,47 @@ def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
     }
 
 
-def load_cycle_maps(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleMap]:
-    """What one cycle of every reaction does to fatigue, without keeping the motions in memory.
+def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
+    """How one cycle of every reaction loads the worker, without keeping the motions in memory.
 
     Raises as `load_reactions`.
     """
     requests = reaction_requests(experiment)
-    return cycle_maps(experiment, ReactionCache(cache_folder).stream(experiment.name, requests, command))
+    return cycle_profiles(experiment, ReactionCache(cache_folder).stream(experiment.name, requests, command))
 
 
-def cycle_maps(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleMap]:
-    """What one cycle of each of these reactions does to fatigue."""
+def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleProfile]:
+    """How one cycle of each of these reactions loads the worker."""
     parameters = worker_fatigue(experiment)
     return {
-        reaction.name: cycle_map(
+        reaction.name: cycle_profile(
             reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]
         )
         for reaction in reactions
     }
 
 
-def problem(
-    experiment: Experiment, maps: Mapping[ReactionName, CycleMap], condition: Condition
-) -> tuple[FatiguePomdp, Belief]:
-    """The POMDP of a condition and its initial belief."""
+def situation(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Situation:
+    """The POMDP of a condition, where it starts and what is hidden."""
     worker = experiment.worker_of(condition)
-    own = {(name.action, name.preference): cycle for name, cycle in maps.items() if name.worker == worker}
+    own = {(name.action, name.preference): profile for name, profile in profiles.items() if name.worker == worker}
     start = experiment.initial_beliefs[condition.initial_belief]
-    states = np.array([fatigue_state(state.fatigue) for state in start])
+    fatigue = np.array([fatigue_state(state.fatigue) for state in start])
+    hidden = None if condition.hidden_worker is None else experiment.hidden_workers[condition.hidden_worker]
+    prior = None if hidden is None else WorkerPrior(hidden, condition.expertise)
+    if prior is None:
+        assert condition.expertise is not None
+        workers = one_worker(condition.expertise)
+    else:
+        workers = average_worker(prior)
+    preferences = tuple(experiment.preferences)
+    observations, matrix = preferences, None
+    if experiment.recognition is not None:
+        observations, matrix = experiment.recognised()
     model = build_pomdp(
-        tuple(experiment.actions), tuple(experiment.preferences), own, states, condition.expertise, experiment.discount
+        tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations
     )
-    probabilities = np.array([state.probability for state in start])
-    return model, Belief(np.ascontiguousarray(states[:, model.live]), probabilities / probabilities.sum())
+    weights = np.array([state.probability for state in start])
+    belief = experiment.belief or fitting(model.telling, prior)
+    states = np.array([model.state(one) for one in fatigue])
+    return Situation(model, states, weights / weights.sum(), prior, belief)

@@ -2,6 +2,8 @@
 
 from typing import Annotated, Self
 
+import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, StringConstraints, model_validator
 
 from fatigue_planner.fatigue.parameters import FatigueSettings
@@ -9,7 +11,9 @@ from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
-from fatigue_planner.planners.registry import PolicySettings
+from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.pomdp.beliefs.registry import BeliefSettings
+from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.settings import Settings
 
 LONGEST_NAME = 40
@@ -37,8 +41,10 @@ class Condition(Settings):
 
     worker: Name | None = None
     initial_belief: Name
-    # beta of Eq. 4; .inf is an expert. NaN fails ge=0.
-    expertise: float = Field(ge=0, allow_inf_nan=True)
+    # beta of Eq. 4; .inf is an expert. NaN fails ge=0. Left out where the hidden worker's is unknown.
+    expertise: float | None = Field(default=None, ge=0, allow_inf_nan=True)
+    # What the robot does not know of the worker: a name under hidden_workers; None: it knows him.
+    hidden_worker: Name | None = None
 
 
 class Benchmark(Settings):
@@ -65,6 +71,11 @@ class Experiment(Settings):
     fatigue: FatigueSettings
     discount: float = Field(ge=0, le=1)
     initial_beliefs: dict[Name, tuple[InitialState, ...]] = Field(min_length=1)
+    hidden_workers: dict[Name, HiddenWorker] = Field(default_factory=dict)
+    # P(o | u): preference -> recognised as -> probability; left out, a reaction is always recognised.
+    recognition: dict[Name, dict[Name, Level]] | None = None
+    # How beliefs are kept; left out, the exact set where it stays finite, else particles.
+    belief: BeliefSettings | None = None
     benchmark: Benchmark
     significance_level: float = Field(gt=0, lt=1)
     # Figures of the returns: name -> conditions, one row of panels each.
@@ -83,6 +94,7 @@ class Experiment(Settings):
                 raise ValueError(
                     f"benchmark.conditions.{name}.worker: {condition.worker!r} is not one of {self._workers()}"
                 )
+            self._check_worker(f"benchmark.conditions.{name}", condition)
             if condition.initial_belief not in self.initial_beliefs:
                 raise ValueError(
                     f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
@@ -101,6 +113,50 @@ class Experiment(Settings):
                     f"{', '.join(self.benchmark.conditions)}"
                 )
         return self
+
+    def _check_worker(self, key: str, condition: Condition) -> None:
+        hidden = HiddenWorker()
+        if condition.hidden_worker is not None:
+            if condition.hidden_worker not in self.hidden_workers:
+                raise ValueError(
+                    f"{key}.hidden_worker: {condition.hidden_worker!r} is not one of "
+                    f"{', '.join(self.hidden_workers) or 'none: there are no hidden_workers'}"
+                )
+            hidden = self.hidden_workers[condition.hidden_worker]
+        if condition.expertise is None and hidden.expertise is None:
+            raise ValueError(f"{key}.expertise: is missing")
+        if condition.expertise is not None and hidden.expertise is not None:
+            raise ValueError(f"{key}.expertise: hidden_workers.{condition.hidden_worker} already gives one")
+
+    @model_validator(mode="after")
+    def _check_recognition(self) -> Self:
+        if self.recognition is None:
+            return self
+        if set(self.recognition) != set(self.preferences):
+            raise ValueError(f"recognition: needs a line for each of {', '.join(self.preferences)}, and no other")
+        for name, line in self.recognition.items():
+            if abs(sum(line.values()) - 1) > 1e-9:
+                raise ValueError(f"recognition.{name}: probabilities sum to {sum(line.values()):g}, not to 1")
+        return self
+
+    @model_validator(mode="after")
+    def _check_belief(self) -> Self:
+        if self.belief is not None and self.belief.kind == "exact":
+            if self.recognition is not None:
+                raise ValueError("belief.kind: exact needs reactions recognised without error; use particles")
+            for name, hidden in self.hidden_workers.items():
+                if not WorkerPrior(hidden, 0.0).is_finite:
+                    raise ValueError(f"belief.kind: exact needs finitely many workers in hidden_workers.{name}")
+        return self
+
+    def recognised(self) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+        """What a reaction can be recognised as, and the probabilities (preferences, observations)."""
+        assert self.recognition is not None
+        names = tuple(
+            dict.fromkeys([*self.preferences, *(name for line in self.recognition.values() for name in line)])
+        )
+        rows = [[self.recognition[preference].get(name, 0.0) for name in names] for preference in self.preferences]
+        return names, np.array(rows)
 
     def _workers(self) -> str:
         return ", ".join(self.workers)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.fatigue.parameters import FatigueParameters
 
@@ -23,29 +23,76 @@ class CycleMap:
         return self.gain * fatigue + self.offset
 
 
+@dataclass(frozen=True)
+class CycleProfile:
+    r"""How a cycle loads each entry, whatever the worker's rates: the runs of ticks in which it tires.
+
+    With the shares s = tau_load / tau_max of a worker's strength and threshold alpha, run i of
+    consecutive ticks with s > alpha has the dose D_i, the integral of s dt over it, in s.
+
+        dose_s        (runs, 78)  D_i; 0 where an entry has fewer runs
+        later_dose_s  (runs, 78)  the doses of all later runs
+        later_rest_s  (runs, 78)  the time without tiring after run i
+        rest_s        (78,)       the time without tiring in the whole cycle
+
+    fatigue_rate, recovery_rate (78,), in 1/s: k and R of the worker, as the experiment gives them.
+    """
+
+    dose_s: Matrix
+    later_dose_s: Matrix
+    later_rest_s: Matrix
+    rest_s: Vector
+    fatigue_rate: Vector
+    recovery_rate: Vector
+
+    def cycle_map(self) -> CycleMap:
+        """The cycle's map with the worker's own rates."""
+        gain, offset = self.maps(1.0, 1.0)
+        return CycleMap(gain, offset)
+
+    def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
+        r"""Gains and offsets (..., 78) with all rates multiplied by factors (...).
+
+        Paper, Eq. 2, for the fatigue f = 1 - tau_cem / tau_max of Eq. 1:
+            tau_load > alpha tau_max:  d(1 - f)/dt = -k (tau_load / tau_max) (1 - f)
+            else:                      df/dt = -R f
+        The mode depends on the load alone. Run i multiplies 1 - f by exp(-k D_i), rest of length t multiplies
+        f by exp(-R t), and the product of these affine maps is
+            gain   = exp(-k sum_i D_i - R t_rest)
+            offset = sum_i (1 - exp(-k D_i)) exp(-k D_later,i - R t_later,i).
+        """
+        k = np.asarray(fatigue_rate_factor)[..., None] * self.fatigue_rate
+        R = np.asarray(recovery_rate_factor)[..., None] * self.recovery_rate
+        gain = np.exp(-k * self.dose_s.sum(axis=0) - R * self.rest_s)
+        offset = np.zeros_like(gain)
+        for dose, later_dose, later_rest in zip(self.dose_s, self.later_dose_s, self.later_rest_s, strict=True):
+            offset += -np.expm1(-k * dose) * np.exp(-k * later_dose - R * later_rest)
+        return gain, offset
+
+
 def loads(torque_nm: Matrix) -> Matrix:
     """Load of each entry (T, 78) N.m from joint torques (T, 39): positive part, then negative part."""
     return np.hstack([np.maximum(torque_nm, 0), np.maximum(-torque_nm, 0)])
 
 
-def cycle_map(torque_nm: Matrix, time_step_s: float, parameters: FatigueParameters) -> CycleMap:
-    r"""The map of a cycle whose torques (T, 39) each hold for a time step.
+def cycle_profile(torque_nm: Matrix, time_step_s: float, parameters: FatigueParameters) -> CycleProfile:
+    """The profile of a cycle whose torques (T, 39) each hold for a time step.
 
-    Paper, Eq. 2, for the fatigue f = 1 - tau_cem / tau_max of Eq. 1:
-        tau_load > alpha tau_max:  d(1 - f)/dt = -k (tau_load / tau_max) (1 - f)
-        else:                      df/dt = -R f
-    Its mode depends on the load alone, so over a tick f' = g f + (1 - g) with g = exp(-k load/max dt)
-    (fatigue) or f' = g f with g = exp(-R dt) (recovery), and the product of the ticks is affine and
-    exact. At tau_load = alpha tau_max, which Eq. 2 leaves open, the entry recovers.
+    At tau_load = alpha tau_max, which Eq. 2 leaves open, the entry rests.
     """
     share = loads(torque_nm) / parameters.maximum_torque_nm
     tiring = share > parameters.threshold
-    rate = np.where(tiring, parameters.fatigue_rate * share, parameters.recovery_rate)
-    # log of the product of the gains of all later ticks
-    later = np.zeros_like(rate)
-    later[:-1] = np.cumsum(rate[:0:-1], axis=0)[::-1]
-    added = np.where(tiring, -np.expm1(-rate * time_step_s), 0.0)
-    return CycleMap(
-        gain=np.exp(-rate.sum(axis=0) * time_step_s),
-        offset=(added * np.exp(-later * time_step_s)).sum(axis=0),
-    )
+    entries = share.shape[1]
+    before = np.zeros((1, entries), dtype=bool)
+    begins = tiring & ~np.vstack([before, tiring[:-1]])
+    ends = tiring & ~np.vstack([tiring[1:], before])
+    dose = np.vstack([np.zeros((1, entries)), np.cumsum(np.where(tiring, share, 0.0), axis=0)]) * time_step_s
+    rest = np.vstack([np.zeros((1, entries)), np.cumsum(~tiring, axis=0)]) * time_step_s
+    shape = (int(begins.sum(axis=0).max()), entries)
+    runs, later_dose, later_rest = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    for entry in range(entries):
+        first, last = np.flatnonzero(begins[:, entry]), np.flatnonzero(ends[:, entry]) + 1
+        runs[: first.size, entry] = dose[last, entry] - dose[first, entry]
+        later_dose[: first.size, entry] = dose[-1, entry] - dose[last, entry]
+        later_rest[: first.size, entry] = rest[-1, entry] - rest[last, entry]
+    return CycleProfile(runs, later_dose, later_rest, rest[-1], parameters.fatigue_rate, parameters.recovery_rate)

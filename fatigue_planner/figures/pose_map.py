@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.fatigue.cycle_map import CycleMap
+from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.figures.style import new_figure, words
 from fatigue_planner.motion.action import Action
 from fatigue_planner.reactions.reaction import ReactionName
@@ -14,14 +14,15 @@ from fatigue_planner.reactions.reaction import ReactionName
 FEWEST_PLACES = 6
 
 
-def place_table(actions: Mapping[str, Action], maps: Mapping[ReactionName, CycleMap]) -> pd.DataFrame:
+def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, CycleProfile]) -> pd.DataFrame:
     """Where each action begins its work (its first hand), and the long-run cost of every reaction there.
 
     The long-run cost is that of Eq. 5, the mean of the squared fatigue, after the same reaction has been
     repeated for ever: at the fixed point f = b / (1 - a) of its cycle map.
     """
     rows = []
-    for name, cycle in maps.items():
+    for name, profile in profiles.items():
+        cycle = profile.cycle_map()
         goal = next(iter(actions[name.action].goals().values()))
         place = goal.path()[0].position_m
         fatigue = np.where(cycle.offset > 0, cycle.offset / np.maximum(1 - cycle.gain, 1e-300), 0.0)

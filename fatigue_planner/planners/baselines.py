@@ -1,10 +1,11 @@
 """Policies that do not look ahead (paper, section IV-E)."""
 
+import time
+
 import numpy as np
 
-from fatigue_planner.planners.policy import Decision, Policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.planners.policy import Decision, Policy, plain_decision
+from fatigue_planner.pomdp.beliefs.belief import Belief
 
 
 class RandomPolicy(Policy):
@@ -14,21 +15,27 @@ class RandomPolicy(Policy):
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
-        return Decision(int(rng.integers(len(self.model.actions))), self._undecided())
+        begin = time.perf_counter()
+        actions = len(belief.model.actions)
+        action = int(rng.integers(actions))
+        return plain_decision(
+            action, np.full(actions, np.nan), 0, time.perf_counter() - begin, "drawn at random", belief
+        )
 
 
 class AlternatingPolicy(Policy):
     """The actions in turn, in the order of the experiment file."""
 
-    def __init__(self, model: FatiguePomdp) -> None:
-        super().__init__(model)
+    def __init__(self) -> None:
         self._cycle = 0
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
-        action = self._cycle % len(self.model.actions)
+        begin = time.perf_counter()
+        actions = len(belief.model.actions)
+        action = self._cycle % actions
         self._cycle += 1
-        return Decision(action, self._undecided())
+        return plain_decision(action, np.full(actions, np.nan), 0, time.perf_counter() - begin, "next in turn", belief)
 
 
 class GreedyPolicy(Policy):
@@ -36,5 +43,7 @@ class GreedyPolicy(Policy):
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
-        values = np.array([-belief.expected_cost(self.model, action) for action in range(len(self.model.actions))])
-        return Decision(int(values.argmax()), values)
+        begin = time.perf_counter()
+        values = belief.expected_rewards()
+        duration_s = time.perf_counter() - begin
+        return plain_decision(int(values.argmax()), values, 1, duration_s, "best expected reward of one cycle", belief)

@@ -6,18 +6,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.pomdp.beliefs.belief import Belief
 
 Vector = NDArray[np.float64]
+Counts = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Decision:
-    """The chosen action (its index) and the estimated return of every action, NaN where unknown."""
+    """What was chosen, and what is known of the choice.
+
+    action: index of the chosen action
+    values (A,): estimated return of every action, NaN where unknown
+    visits (A,): how often the search tried every action (0 without a search)
+    depth: cycles looked ahead
+    duration_s: wall-clock time of the decision
+    reason: in words, why this action
+    """
 
     action: int
     values: Vector
+    visits: Counts
+    depth: int
+    duration_s: float
+    reason: str
 
 
 class Policy(ABC):
@@ -26,12 +38,22 @@ class Policy(ABC):
     # Whether the policy's own random draws can change its choices in a problem without chance.
     draws_at_random = False
 
-    def __init__(self, model: FatiguePomdp) -> None:
-        self.model = model
-
     @abstractmethod
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """The action for this cycle. Called once per cycle, in order."""
 
-    def _undecided(self) -> Vector:
-        return np.full(len(self.model.actions), np.nan)
+    def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
+        """What was done and seen since `act`; the next belief says it, too."""
+
+
+def plain_decision(action: int, values: Vector, depth: int, duration_s: float, reason: str, belief: Belief) -> Decision:
+    """A decision without a search tree."""
+    visits = np.zeros(values.size, np.int64)
+    return Decision(action, values, visits, depth, duration_s, explained(reason, belief))
+
+
+def explained(reason: str, belief: Belief) -> str:
+    """The reason, and whether the last observation was one the model holds impossible."""
+    if belief.surprised:
+        return f"{reason}; the last observation was impossible to the model, the belief was widened"
+    return reason

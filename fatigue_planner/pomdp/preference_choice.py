@@ -27,7 +27,7 @@ def normalise_choice(costs: Vector, expertise: float) -> None:
         costs[u] /= total
 
 
-def preference_probabilities(costs: Vector, expertise: float) -> Vector:
+def choice_probabilities(costs: Vector, expertise: float) -> Vector:
     """Eq. 4 for costs (U,); see `normalise_choice`."""
     probabilities = costs.copy()
     normalise_choice(probabilities, expertise)

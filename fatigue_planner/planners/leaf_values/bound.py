@@ -1,0 +1,26 @@
+"""What the problem itself can say of a state's value at once."""
+
+from typing import Any
+
+import numpy as np
+
+from fatigue_planner.planners.search.descent import Numbers
+from fatigue_planner.planners.search.tree import Vector
+
+
+def bound(arrays: Any, state: Vector) -> float:
+    """Stands for the problem's own bound."""
+    raise NotImplementedError
+
+
+def problem_bound(
+    arrays: Any,
+    state: Vector,
+    _moved: Vector,
+    _scratch: Vector,
+    _numbers: Numbers,
+    _actions: int,
+    _rng: np.random.Generator,
+) -> float:
+    """Template: the problem's bound of the state's value."""
+    return bound(arrays, state)

@@ -1,0 +1,28 @@
+"""The return of a run in which actions are drawn at random (Silver & Veness 2010)."""
+
+from typing import Any
+
+import numpy as np
+
+from fatigue_planner.planners.search.descent import Numbers
+from fatigue_planner.planners.search.tree import Vector
+from fatigue_planner.pomdp.problem import step
+
+
+def random_rollout(
+    arrays: Any,
+    state: Vector,
+    _moved: Vector,
+    scratch: Vector,
+    numbers: Numbers,
+    actions: int,
+    rng: np.random.Generator,
+) -> float:
+    """Template: the discounted return of some cycles with random actions; `state` is used up."""
+    gained, weight = 0.0, 1.0
+    for _ in range(numbers.rollout_cycles):
+        action = int(rng.random() * actions)
+        _, reward = step(arrays, state, action, scratch, rng)
+        gained += weight * reward
+        weight *= numbers.discount
+    return gained

@@ -1,0 +1,51 @@
+"""What every belief is: weighted states of a problem, changed by what is done and seen."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import specialised
+from fatigue_planner.pomdp.problem import Pomdp, Vector, advance, outcome_probabilities
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Belief(ABC):
+    """States (n, L) of `model` and their probabilities (n,).
+
+    surprised: the last observation was impossible to the model, so that the belief was widened.
+    """
+
+    model: Pomdp
+    states: Array
+    weights: Vector
+    surprised: bool = False
+
+    @abstractmethod
+    def update(self, action: int, observation: int, rng: np.random.Generator) -> "Belief":
+        """The belief after an action and an observation. Never raises, whatever is observed."""
+
+    def expected_rewards(self) -> Vector:
+        """Expected reward of every action for one cycle, (A,)."""
+        parts = {name: self.model.parts[name] for name in ("outcome_probabilities", "advance")}
+        values = np.zeros(len(self.model.actions))
+        kernel = specialised(add_expected_rewards, **parts)
+        kernel(self.model.arrays, self.states, self.weights, len(self.model.outcomes), values)
+        return values
+
+
+def add_expected_rewards(arrays: object, states: Array, weights: Vector, outcomes: int, values: Vector) -> None:
+    """Template: add to `values` (A,) the expected reward of every action."""
+    probabilities = np.empty(outcomes)
+    moved = np.empty(states.shape[1])
+    for action in range(values.size):
+        for i in range(weights.size):
+            outcome_probabilities(arrays, states[i], action, probabilities)
+            for outcome in range(outcomes):
+                if probabilities[outcome] > 0:
+                    moved[:] = states[i]
+                    reward = advance(arrays, moved, action, outcome)
+                    values[action] += weights[i] * probabilities[outcome] * reward

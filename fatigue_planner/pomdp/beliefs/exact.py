@@ -1,0 +1,80 @@
+"""The exact belief: all states that may be, with their probabilities.
+
+With finitely many initial states and outcomes nothing has to be sampled. The set stays small where the
+observation tells the outcome (paper, section III-B), or where different ways lead to the same state.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fatigue_planner.compiled import specialised
+from fatigue_planner.pomdp.beliefs.belief import Array, Belief
+from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
+
+
+@dataclass(frozen=True)
+class ExactBelief(Belief):
+    """A finite set of states and their exact probabilities."""
+
+    def update(self, action: int, observation: int, rng: np.random.Generator) -> "ExactBelief":
+        """Bayes' rule.
+
+        b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
+        leads to. Where that is 0 for all, the outcome is taken for one the worker cannot have chosen, but
+        did: P(u | s, a) is replaced by 1; and if nothing leads to the observation at all, the observation
+        is ignored. `rng` is not used.
+        """
+        kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
+        for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
+            states, weights = kernel(
+                self.model.arrays,
+                self.states,
+                self.weights,
+                action,
+                observation,
+                len(self.model.outcomes),
+                trust_outcome,
+                trust_observation,
+            )
+            if weights.size:
+                break
+        if weights.size > self.weights.size:
+            states, place = np.unique(states, axis=0, return_inverse=True)
+            weights = np.bincount(place.ravel(), weights)
+        return ExactBelief(self.model, states, weights / weights.sum(), not (trust_outcome and trust_observation))
+
+
+PARTS = ("outcome_probabilities", "advance", "observation_probability")
+
+
+def bayes(
+    arrays: object,
+    states: Array,
+    weights: Vector,
+    action: int,
+    observation: int,
+    outcomes: int,
+    trust_outcome: bool,
+    trust_observation: bool,
+) -> tuple[Array, Vector]:
+    """Template: the states that remain possible (m, L), and their weights (m,), not normalised.
+
+    Weights so small that they vanish beside the largest are kept; only 0 is dropped.
+    """
+    probabilities = np.empty(outcomes)
+    moved = np.empty((weights.size * outcomes, states.shape[1]))
+    likelihood = np.empty(weights.size * outcomes)
+    kept = 0
+    for i in range(weights.size):
+        outcome_probabilities(arrays, states[i], action, probabilities)
+        for outcome in range(outcomes):
+            probability = probabilities[outcome] if trust_outcome else 1.0
+            moved[kept] = states[i]
+            advance(arrays, moved[kept], action, outcome)
+            if trust_observation:
+                probability *= observation_probability(arrays, moved[kept], action, outcome, observation)
+            likelihood[kept] = weights[i] * probability
+            if likelihood[kept] > 0:
+                kept += 1
+    return moved[:kept].copy(), likelihood[:kept].copy()

@@ -1,0 +1,232 @@
+"""The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several that may be meant.
+
+A state holds the fatigue of the live entries, padded with zeros to a multiple of LANES, and in its last
+place the number of the worker it belongs to. Where the worker is known there is one, number 0.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import compiled
+from fatigue_planner.fatigue.cycle_map import CycleProfile
+from fatigue_planner.pomdp.preference_choice import normalise_choice
+from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
+
+Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
+
+# Entries are summed in this many independent sums, which the compiler turns into vector instructions;
+# one running sum would wait for itself at every entry.
+LANES = 4
+
+
+class FatigueArrays(NamedTuple):
+    """What the compiled functions read.
+
+    gain, offset (M * A * U, W): row (m * A + a) * U + u is worker m's cycle map of action a and preference u
+    expertise (M,): beta of Eq. 4; `even` says that it is 0 for all
+    observation (U, O): P(o | u); `sharp` says that the observation always is the preference
+    """
+
+    gain: Array
+    offset: Array
+    expertise: Vector
+    even: bool
+    observation: Array
+    sharp: bool
+    n_actions: int
+    cost_scale: float
+
+
+@compiled
+def first_row(arrays: FatigueArrays, state: Vector, action: int) -> int:
+    """The row of the action's first preference."""
+    worker = int(state[state.size - 1])
+    return int((worker * arrays.n_actions + action) * arrays.observation.shape[0])
+
+
+@compiled
+def sum_of_squares_after(gain: Array, offset: Array, row: int, state: Vector) -> float:
+    """Sum of the squares of gain * state + offset."""
+    s0 = s1 = s2 = s3 = 0.0
+    for j in range(0, gain.shape[1], LANES):
+        f0 = gain[row, j] * state[j] + offset[row, j]
+        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
+        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
+        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
+        s0 += f0 * f0
+        s1 += f1 * f1
+        s2 += f2 * f2
+        s3 += f3 * f3
+    return (s0 + s1) + (s2 + s3)
+
+
+@compiled
+def move(gain: Array, offset: Array, row: int, state: Vector) -> float:
+    """state := gain * state + offset in place; the sum of the squares of the new state."""
+    s0 = s1 = s2 = s3 = 0.0
+    for j in range(0, gain.shape[1], LANES):
+        f0 = gain[row, j] * state[j] + offset[row, j]
+        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
+        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
+        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
+        state[j], state[j + 1], state[j + 2], state[j + 3] = f0, f1, f2, f3
+        s0 += f0 * f0
+        s1 += f1 * f1
+        s2 += f2 * f2
+        s3 += f3 * f3
+    return (s0 + s1) + (s2 + s3)
+
+
+@compiled
+def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector) -> None:
+    """Eq. 4: P(u | f, a) for every preference; the cost of Eq. 5 is that after the coming cycle."""
+    row = first_row(arrays, state, action)
+    expertise = arrays.expertise[int(state[state.size - 1])]
+    for u in range(probabilities.size):
+        if expertise == 0:
+            probabilities[u] = 0.0
+        else:
+            probabilities[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, row + u, state)
+    normalise_choice(probabilities, expertise)
+
+
+@compiled
+def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) -> float:
+    """The cycle's effect on fatigue, and the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
+    row = first_row(arrays, state, action) + preference
+    return -arrays.cost_scale * move(arrays.gain, arrays.offset, row, state)
+
+
+@compiled
+def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference: int, observation: int) -> float:
+    """P(o | u): how often preference u is recognised as o."""
+    return float(arrays.observation[preference, observation])
+
+
+@compiled
+def react_by_chance(
+    arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """The generative model of Fig. 4."""
+    if arrays.even:
+        preference = int(rng.random() * scratch.size)
+    else:
+        preference_probabilities(arrays, state, action, scratch)
+        preference = draw(scratch, rng.random())
+    reward = react(arrays, state, action, preference)
+    if arrays.sharp:
+        return preference, reward
+    return draw(arrays.observation[preference], rng.random()), reward
+
+
+FATIGUE = Dynamics(preference_probabilities, react, recognition, react_by_chance)
+
+
+class Workers(NamedTuple):
+    """Workers that may be meant, each (M,): factors on all rates k and R of Eq. 2, and beta of Eq. 4."""
+
+    fatigue_rate_factor: Vector
+    recovery_rate_factor: Vector
+    expertise: Vector
+
+    def pick(self, chosen: NDArray[np.intp]) -> "Workers":
+        """Some of the workers."""
+        return Workers(*(values[chosen] for values in self))
+
+
+def one_worker(expertise: float) -> Workers:
+    """The worker whose rates are the experiment's."""
+    return Workers(np.ones(1), np.ones(1), np.array([float(expertise)]))
+
+
+@dataclass(frozen=True)
+class FatiguePomdp(Pomdp):
+    """The POMDP of a task; live: which of the `entries` entries its states hold, profiles (A, U): its cycles."""
+
+    live: NDArray[np.intp]
+    entries: int
+    profiles: tuple[tuple[CycleProfile, ...], ...]
+    workers: Workers
+
+    def state(self, fatigue: Vector, worker: int = 0) -> Vector:
+        """The state of a fatigue (entries,)."""
+        state = np.zeros(self.arrays.gain.shape[1] + 1)
+        state[: self.live.size] = fatigue[self.live]
+        state[-1] = worker
+        return state
+
+    def for_workers(self, workers: Workers) -> "FatiguePomdp":
+        """The same task with other workers in mind."""
+        rows = [
+            [profile.maps(workers.fatigue_rate_factor, workers.recovery_rate_factor) for profile in row]
+            for row in self.profiles
+        ]  # A x U x (gain, offset), each (M, entries)
+        gain, offset = np.moveaxis(np.array(rows), 2, 0)
+        return self.with_maps(np.moveaxis(gain, 2, 0), np.moveaxis(offset, 2, 0), workers)
+
+    def with_maps(self, gain: Array, offset: Array, workers: Workers) -> "FatiguePomdp":
+        """The same task with these cycle maps (M, A, U, entries)."""
+        arrays = self.arrays._replace(
+            gain=self._rows(gain),
+            offset=self._rows(offset),
+            expertise=workers.expertise,
+            even=bool((workers.expertise == 0).all()),
+        )
+        return replace(self, arrays=arrays, workers=workers)
+
+    def _rows(self, table: Array) -> Array:
+        rows = table[..., self.live].reshape(-1, self.live.size)
+        return np.pad(rows, [(0, 0), (0, -self.live.size % LANES)])
+
+
+def build_pomdp(
+    actions: Sequence[str],
+    preferences: Sequence[str],
+    profiles: Mapping[tuple[str, str], CycleProfile],
+    initial_fatigue: Array,
+    workers: Workers,
+    discount: float,
+    recognition_matrix: Array | None = None,
+    observations: Sequence[str] | None = None,
+) -> FatiguePomdp:
+    """The POMDP of the reactions `profiles[action, preference]`.
+
+    `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
+    entries are live: all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
+    default the preference is always recognised.
+    """
+    table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
+    ever = (initial_fatigue != 0).any(axis=0)
+    for profile in profiles.values():
+        ever |= (profile.dose_s > 0).any(axis=0)
+    sharp = recognition_matrix is None
+    observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
+    empty = np.zeros((0, 0))
+    arrays = FatigueArrays(empty, empty, np.zeros(0), False, observation, sharp, len(actions), 1 / ever.size)
+    blank = FatiguePomdp(
+        actions=tuple(actions),
+        outcomes=tuple(preferences),
+        observations=tuple(observations or preferences),
+        discount=discount,
+        arrays=arrays,
+        dynamics=FATIGUE,
+        telling=sharp,
+        live=np.flatnonzero(ever),
+        entries=ever.size,
+        profiles=table,
+        workers=workers,
+    )
+    return blank.for_workers(workers)
+
+
+def fingerprint(model: FatiguePomdp) -> dict[str, Any]:
+    """All that decides what the model does, as JSON values."""
+    named = model.arrays._asdict().items()
+    arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named}
+    arrays["expertise"] = [repr(beta) for beta in model.workers.expertise.tolist()]
+    return {"arrays": arrays, "discount": model.discount, "live": model.live.tolist()}

@@ -1,0 +1,146 @@
+"""What the planners know of a problem: a POMDP whose actions have finitely many outcomes.
+
+A state is a vector of numbers. Choosing an action in a state has one of a few outcomes (for the fatigue
+problem: the worker's motion preference); the outcome decides the next state and the reward, and the next
+state, action and outcome decide how likely each observation is. A problem of one's own is an instance of
+`Pomdp` with three compiled functions (examples/tiger.py).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import compiled, specialised
+
+Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Dynamics:
+    """The compiled functions of a problem. `arrays` is the problem's NamedTuple of arrays and numbers.
+
+    outcome_probabilities(arrays, state, action, probabilities)
+        fills `probabilities` (K,) with P(outcome | state, action)
+    advance(arrays, state, action, outcome) -> reward
+        moves `state` in place
+    observation_probability(arrays, state, action, outcome, observation) -> P(observation | ...)
+        `state` is the one after the action
+    step(arrays, state, action, scratch, rng) -> (observation, reward), optional
+        moves `state` in place by chance: a short cut through the other three; `scratch` is (K,)
+    bound(arrays, state) -> value, optional
+        what can be said of a state's value at once (leaf value `bound`)
+    """
+
+    outcome_probabilities: Callable[..., Any]
+    advance: Callable[..., Any]
+    observation_probability: Callable[..., Any]
+    step: Callable[..., Any] | None = None
+    bound: Callable[..., Any] | None = None
+
+    def parts(self, n_observations: int) -> dict[str, Any]:
+        """The names under which templates call these functions (see `compiled.specialised`)."""
+        basic = {
+            "outcome_probabilities": self.outcome_probabilities,
+            "advance": self.advance,
+            "observation_probability": self.observation_probability,
+        }
+        step = self.step or specialised(step_by_chance, **basic, N_OBSERVATIONS=n_observations)
+        return basic | {"step": step}
+
+
+@dataclass(frozen=True)
+class Pomdp:
+    """A problem: the names of its actions, outcomes and observations, its discount and its functions.
+
+    telling: the observation always tells the outcome (never wrong to leave it False).
+    """
+
+    actions: tuple[str, ...]
+    outcomes: tuple[str, ...]
+    observations: tuple[str, ...]
+    discount: float
+    arrays: Any
+    dynamics: Dynamics
+    telling: bool = field(default=False, kw_only=True)
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        """The problem's functions by the names templates give them."""
+        return self.dynamics.parts(len(self.observations))
+
+    def probabilities(self, state: Vector, action: int) -> Vector:
+        """P(outcome | state, action), (K,)."""
+        probabilities = np.empty(len(self.outcomes))
+        self.dynamics.outcome_probabilities(self.arrays, state, action, probabilities)
+        return probabilities
+
+    def after(self, state: Vector, action: int, outcome: int) -> tuple[Vector, float]:
+        """The state an outcome leads to, and its reward."""
+        moved = state.copy()
+        reward = float(self.dynamics.advance(self.arrays, moved, action, outcome))
+        return moved, reward
+
+    def observation_probabilities(self, state: Vector, action: int, outcome: int) -> Vector:
+        """P(observation | state reached, action, outcome), (O,)."""
+        see = self.dynamics.observation_probability
+        return np.array([see(self.arrays, state, action, outcome, o) for o in range(len(self.observations))])
+
+
+@compiled
+def draw(probabilities: Vector, uniform: float) -> int:
+    """The index whose share of [0, 1) holds `uniform`; never one of probability 0."""
+    last = 0
+    for index in range(probabilities.size):
+        if probabilities[index] > 0:
+            uniform -= probabilities[index]
+            if uniform < 0:
+                return index
+            last = index
+    return last
+
+
+def outcome_probabilities(arrays: Any, state: Vector, action: int, probabilities: Vector) -> None:
+    """Stands for the problem's own in templates."""
+    raise NotImplementedError
+
+
+def advance(arrays: Any, state: Vector, action: int, outcome: int) -> float:
+    """Stands for the problem's own in templates."""
+    raise NotImplementedError
+
+
+def observation_probability(arrays: Any, state: Vector, action: int, outcome: int, observation: int) -> float:
+    """Stands for the problem's own in templates."""
+    raise NotImplementedError
+
+
+def step(arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator) -> tuple[int, float]:
+    """Stands for the problem's own in templates."""
+    raise NotImplementedError
+
+
+N_OBSERVATIONS = 0
+
+
+def step_by_chance(
+    arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """Template: the generative model made of the three functions."""
+    outcome_probabilities(arrays, state, action, scratch)
+    outcome = draw(scratch, rng.random())
+    reward = advance(arrays, state, action, outcome)
+    uniform = rng.random()
+    last = 0
+    for observation in range(N_OBSERVATIONS):
+        probability = observation_probability(arrays, state, action, outcome, observation)
+        if probability > 0:
+            uniform -= probability
+            if uniform < 0:
+                return observation, reward
+            last = observation
+    return last, reward
