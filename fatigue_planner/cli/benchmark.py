@@ -26,7 +26,7 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_cycle_profiles, situation, reaction_requests
+from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder

@@ -51,9 +51,7 @@ def room_for(states: Array, depth: int, outcomes: int, actions: int, telling: bo
     )
 
 
-def best_return(  # noqa: PLR0912 - one enumeration
-    arrays: Any, room: Room, level: int, count: int, numbers: Numbers, rng: np.random.Generator
-) -> float:
+def best_return(arrays: Any, room: Room, level: int, count: int, numbers: Numbers, rng: np.random.Generator) -> float:
     """Template: the best expected return from the `count` weighted states of a level, by full enumeration.
 
         V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
