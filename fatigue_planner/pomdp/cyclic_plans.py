@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 # Plans of up to so many cycles; with many actions, only as long as there are at most MOST_PLANS of them.
 LONGEST_PLAN = 4
-MOST_PLANS = 400
+MOST_PLANS = 1000
 # Backward steps until the discount has made the rest negligible.
 NEGLIGIBLE = 1e-12
 MOST_STEPS = 2000
