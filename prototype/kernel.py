@@ -18,8 +18,17 @@ import numba
 import numpy as np
 
 
+OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+
+
 def compiled(function):
-    return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    """A kernel. Without numba's run-time it can neither allocate nor count references to arrays."""
+    return numba.njit(**OPTIONS)(function)
+
+
+def part(function):
+    """A function that is inlined where it is called."""
+    return numba.njit(forceinline=True, **OPTIONS)(function)
 
 
 def bind(template, name, **parts):
@@ -103,7 +112,7 @@ class Fatigue(NamedTuple):
     weights: np.ndarray
 
 
-@compiled
+@part
 def draw(probabilities, threshold):
     for index in range(probabilities.size - 1):
         threshold -= probabilities[index]
@@ -112,7 +121,7 @@ def draw(probabilities, threshold):
     return probabilities.size - 1
 
 
-@compiled
+@part
 def begin(data, state, rng):
     """state := a draw from the belief."""
     particle = draw(data.weights, rng.random()) if data.weights.size > 1 else 0
@@ -120,7 +129,7 @@ def begin(data, state, rng):
         state[j] = data.states[particle, j]
 
 
-@compiled
+@part
 def step(data, state, action, rng):
     """One cycle: (observation, reward)."""
     preferences = data.costs.size
@@ -148,38 +157,38 @@ def step(data, state, action, rng):
 # --- parts -----------------------------------------------------------------------------------------------------------
 
 
-@compiled
+@part
 def ucb1(tree, tables, here, c):
     """The action with the highest value + c sqrt(log N / n), the first of equals; `here`: the node's first double."""
-    part = 2 * (here + tree.actions + 1)
-    width = c * tables.root_log[tree.counts[part] - 1]
+    counts_at = 2 * (here + tree.actions + 1)
+    width = c * tables.root_log[tree.counts[counts_at] - 1]
     best, best_score = 0, -np.inf
     for action in range(tree.actions):
-        score = tree.reals[here + action] + width * tables.inverse_root[tree.counts[part + 1 + action]]
+        score = tree.reals[here + action] + width * tables.inverse_root[tree.counts[counts_at + 1 + action]]
         if score > best_score:
             best, best_score = action, score
     return best
 
 
-@compiled
+@part
 def backup_mean(tree, here, action, carried):
     return carried
 
 
-@compiled
+@part
 def backup_max(tree, here, action, carried):
-    part = 2 * (here + tree.actions + 1)
+    counts_at = 2 * (here + tree.actions + 1)
     after = -np.inf
     for a in range(tree.actions):
-        if tree.counts[part + 1 + a] > 0:
+        if tree.counts[counts_at + 1 + a] > 0:
             after = max(after, tree.reals[here + a])
-    visited = tree.counts[part]
+    visited = tree.counts[counts_at]
     before = tree.reals[here + tree.actions]
     tree.reals[here + tree.actions] = after
     return visited * after - (visited - 1) * before
 
 
-@compiled
+@part
 def no_leaf_value(data, state, rng):
     return 0.0
 
@@ -247,16 +256,23 @@ def padded(rows, width=lanes.WIDTH):
     return np.ascontiguousarray(np.pad(rows, [(0, 0), (0, -rows.shape[1] % width)]))
 
 
+_DATA = {}
+
+
 def run(kernel, model, belief, descents, c, rng):
     actions, preferences, live = model.gain.shape
-    gain = padded(model.gain.reshape(-1, live))
-    data = Fatigue(
-        gain.ravel(), padded(model.offset.reshape(-1, live)).ravel(), model.observation, True, float(model.expertise),
-        1 / model.entries, np.empty(preferences), np.empty(preferences), padded(belief.states), belief.weights,
-    )
+    if id(model) not in _DATA:  # in the project: once per policy
+        gain = padded(model.gain.reshape(-1, live))
+        _DATA[id(model)] = Fatigue(
+            gain.ravel(), padded(model.offset.reshape(-1, live)).ravel(), model.observation, True,
+            float(model.expertise), 1 / model.entries, np.empty(preferences), np.empty(preferences),
+            padded(belief.states), belief.weights,
+        )
     if descents not in _TABLES:
         _TABLES[descents] = tables(descents + 2)
+    data = _DATA[id(model)]._replace(states=padded(belief.states), weights=belief.weights)
     tree = new_tree(descents + 1, actions, model.observation.shape[1])
-    steps = kernel(data, tree, _TABLES[descents], workspace(descents + 1, gain.shape[1]), descents, c, model.discount, rng)
+    work = workspace(descents + 1, data.states.shape[1])
+    steps = kernel(data, tree, _TABLES[descents], work, descents, c, model.discount, rng)
     part = 2 * (actions + 1)
     return tree.reals[:actions].copy(), tree.counts[part + 1 : part + 1 + actions].copy(), steps / descents
