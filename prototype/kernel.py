@@ -73,12 +73,26 @@ def record_size(actions, observations):
 
 def new_tree(capacity, actions, observations):
     width = record_size(actions, observations)
-    raw = np.zeros(capacity * width + 8)
-    skip = (-raw.ctypes.data % 64) // 8
-    reals = raw[skip : skip + capacity * width]
+    reals = aligned(np.zeros(capacity * width))
     counts = reals.view(np.uint32)
-    counts[2 * (actions + 1)] = 1
-    return Tree(reals, counts, np.ones(1, np.int64), np.empty(width), actions, observations)
+    tree = Tree(reals, counts, np.ones(1, np.int64), np.empty(width), actions, observations)
+    reset(tree)
+    return tree
+
+
+def reset(tree):
+    tree.reals[: tree.size[0] * tree.stride.size] = 0
+    tree.counts[2 * (tree.actions + 1)] = 1
+    tree.size[0] = 1
+
+
+def aligned(array):
+    """A copy that starts at a cache line."""
+    raw = np.empty(array.nbytes + 64, np.uint8)
+    skip = -raw.ctypes.data % 64
+    copy = raw[skip : skip + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[...] = array
+    return copy
 
 
 class Workspace(NamedTuple):
@@ -92,7 +106,7 @@ class Workspace(NamedTuple):
 
 def workspace(capacity, entries):
     return Workspace(
-        np.zeros(entries), np.empty(capacity, np.uint32), np.empty(capacity, np.uint32), np.empty(capacity)
+        aligned(np.zeros(entries)), np.empty(capacity, np.uint32), np.empty(capacity, np.uint32), np.empty(capacity)
     )
 
 
@@ -253,10 +267,13 @@ _TABLES = {}
 
 
 def padded(rows, width=lanes.WIDTH):
-    return np.ascontiguousarray(np.pad(rows, [(0, 0), (0, -rows.shape[1] % width)]))
+    wide = np.zeros((rows.shape[0], -(-rows.shape[1] // width) * width))
+    wide[:, : rows.shape[1]] = rows
+    return aligned(wide)
 
 
 _DATA = {}
+_MEMORY = {}
 
 
 def run(kernel, model, belief, descents, c, rng):
@@ -271,8 +288,14 @@ def run(kernel, model, belief, descents, c, rng):
     if descents not in _TABLES:
         _TABLES[descents] = tables(descents + 2)
     data = _DATA[id(model)]._replace(states=padded(belief.states), weights=belief.weights)
-    tree = new_tree(descents + 1, actions, model.observation.shape[1])
-    work = workspace(descents + 1, data.states.shape[1])
+    key = descents, actions, data.states.shape[1]
+    if key not in _MEMORY:
+        _MEMORY[key] = (
+            new_tree(descents + 1, actions, model.observation.shape[1]),
+            workspace(descents + 1, data.states.shape[1]),
+        )
+    tree, work = _MEMORY[key]
+    reset(tree)
     steps = kernel(data, tree, _TABLES[descents], work, descents, c, model.discount, rng)
     part = 2 * (actions + 1)
     return tree.reals[:actions].copy(), tree.counts[part + 1 : part + 1 + actions].copy(), steps / descents

@@ -103,4 +103,10 @@ class SearchByHand:
 
 
 def _padded(rows: np.ndarray) -> np.ndarray:
-    return np.ascontiguousarray(np.pad(rows, [(0, 0), (0, -rows.shape[1] % LANES)]))
+    """Rows with zeros after them to a multiple of LANES, starting at a cache line."""
+    width = -(-rows.shape[1] // LANES) * LANES
+    memory = np.zeros(rows.shape[0] * width + LANES)
+    skip = (-memory.ctypes.data % 64) // 8
+    wide = memory[skip : skip + rows.shape[0] * width].reshape(-1, width)
+    wide[:, : rows.shape[1]] = rows
+    return wide
