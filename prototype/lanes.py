@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 WIDTH = 8
 
 
-def _emit(context, builder, signature, args, store):
+def _emit(context, builder, signature, args, store, add=True):
     """IR: over blocks of WIDTH entries f = gain * state + offset; returns the sum of f^2; stores f into state."""
     vector = ir.VectorType(ir.DoubleType(), WIDTH)
     pointers = []
@@ -30,7 +30,10 @@ def _emit(context, builder, signature, args, store):
         f = builder.fadd(builder.fmul(g, s), o)
         if store:
             builder.store(f, at(state, j), align=8)
-        builder.store(builder.fadd(builder.load(total), builder.fmul(f, f)), total)
+        if add:
+            builder.store(builder.fadd(builder.load(total), builder.fmul(f, f)), total)
+    if not add:
+        return context.get_dummy_value()
     lanes = builder.load(total)
     width = WIDTH
     while width > 1:
@@ -53,6 +56,14 @@ def _make(store):
     return run
 
 
+@intrinsic
+def _move(typing, gain, offset, state, first):
+    def codegen(context, builder, signature, args):
+        return _emit(context, builder, signature, args, True, False)
+
+    return types.none(gain, offset, state, types.int64), codegen
+
+
 def _python(gain, offset, state, first, store):
     lanes = np.zeros(WIDTH)
     for j in range(0, state.size, WIDTH):
@@ -68,5 +79,6 @@ def _python(gain, offset, state, first, store):
 if numba.config.DISABLE_JIT:
     advance = lambda gain, offset, state, first: _python(gain, offset, state, first, True)
     squares_after = lambda gain, offset, state, first: _python(gain, offset, state, first, False)
+    move = advance
 else:
-    advance, squares_after = _make(True), _make(False)
+    advance, squares_after, move = _make(True), _make(False), _move
