@@ -166,7 +166,7 @@ def step(data, state, action, rng):
         total = 0.0
         for u in range(preferences):
             excess = data.cost_scale * (data.costs[u] - lowest)
-            chance = 1.0 if excess == 0 else np.exp(-data.expertise * excess)
+            chance = 1.0 if excess == 0 else (0.0 if data.expertise == np.inf else np.exp(-data.expertise * excess))
             data.chances[u] = chance
             total += chance
         preference = draw(data.chances, total * rng.random())

@@ -56,33 +56,40 @@ def tables(size):
         return Tables(root_log, 1 / np.sqrt(n), 1 / n)
 
 
+def node_type(actions, observations):
+    """A node's record; up to a cache line its size is a power of two, so that a record straddles none."""
+    fields = [
+        ("value", np.float64, (actions,)),
+        ("best", np.float64),
+        ("visited", np.uint32),
+        ("tried", np.uint32, (actions,)),
+        ("child", np.uint32, (actions, observations)),
+    ]
+    size = -(-np.dtype(fields).itemsize // 8) * 8
+    size = size if size > 64 else 1 << (size - 1).bit_length()
+    offsets = [0, *np.cumsum([np.dtype([field]).itemsize for field in fields[:-1]]).tolist()]
+    return np.dtype({
+        "names": [field[0] for field in fields],
+        "formats": [np.dtype(field[1:]) if len(field) > 2 else field[1] for field in fields],
+        "offsets": offsets, "itemsize": size,
+    })
+
+
 class Tree(NamedTuple):
-    reals: np.ndarray  # float64
-    counts: np.ndarray  # uint32, the same memory
+    nodes: np.ndarray  # of node_type
     size: np.ndarray  # int64 (1,): nodes in use
-    stride: np.ndarray  # unused but for its length: doubles per node
-    actions: int
-    observations: int
-
-
-def record_size(actions, observations):
-    """Doubles per node; a power of two up to a cache line, so that a record straddles none."""
-    doubles = actions + 1 + -(-(1 + actions + actions * observations) // 2)
-    return doubles if doubles > 8 else 1 << (doubles - 1).bit_length()
 
 
 def new_tree(capacity, actions, observations):
-    width = record_size(actions, observations)
-    reals = aligned(np.zeros(capacity * width))
-    counts = reals.view(np.uint32)
-    tree = Tree(reals, counts, np.ones(1, np.int64), np.empty(width), actions, observations)
+    tree = Tree(aligned(np.zeros(capacity, node_type(actions, observations))), np.ones(1, np.int64))
     reset(tree)
     return tree
 
 
 def reset(tree):
-    tree.reals[: tree.size[0] * tree.stride.size] = 0
-    tree.counts[2 * (tree.actions + 1)] = 1
+    memory = tree.nodes.view(np.uint8)
+    memory[: tree.size[0] * tree.nodes.itemsize] = 0
+    tree.nodes["visited"][0] = 1
     tree.size[0] = 1
 
 
@@ -174,7 +181,8 @@ def step(data, state, action, rng):
             data.chances[u] = chance
             total += chance
         preference = draw(data.chances, total * uniform(data))
-        cost = lanes.advance(data.gain, data.offset, state, first + preference * state.size)
+        lanes.move(data.gain, data.offset, state, first + preference * state.size)
+        cost = data.costs[preference]
     observation = preference if data.sharp else draw(data.observation[preference], uniform(data))
     return observation, -data.cost_scale * cost
 
@@ -183,34 +191,31 @@ def step(data, state, action, rng):
 
 
 @part
-def ucb1(tree, tables, here, c):
-    """The action with the highest value + c sqrt(log N / n), the first of equals; `here`: the node's first double."""
-    counts_at = 2 * (here + tree.actions + 1)
-    width = c * tables.root_log[tree.counts[counts_at] - 1]
+def ucb1(node, tables, c):
+    """The action with the highest value + c sqrt(log N / n), the first of equals."""
+    width = c * tables.root_log[node.visited - 1]
     best, best_score = 0, -np.inf
-    for action in range(tree.actions):
-        score = tree.reals[here + action] + width * tables.inverse_root[tree.counts[counts_at + 1 + action]]
+    for action in range(node.value.size):
+        score = node.value[action] + width * tables.inverse_root[node.tried[action]]
         if score > best_score:
             best, best_score = action, score
     return best
 
 
 @part
-def backup_mean(tree, here, action, carried):
+def backup_mean(node, carried):
     return carried
 
 
 @part
-def backup_max(tree, here, action, carried):
-    counts_at = 2 * (here + tree.actions + 1)
+def backup_max(node, carried):
     after = -np.inf
-    for a in range(tree.actions):
-        if tree.counts[counts_at + 1 + a] > 0:
-            after = max(after, tree.reals[here + a])
-    visited = tree.counts[counts_at]
-    before = tree.reals[here + tree.actions]
-    tree.reals[here + tree.actions] = after
-    return visited * after - (visited - 1) * before
+    for action in range(node.value.size):
+        if node.tried[action] > 0:
+            after = max(after, node.value[action])
+    before = node.best
+    node.best = after
+    return node.visited * after - (node.visited - 1) * before
 
 
 @part
@@ -220,44 +225,39 @@ def no_leaf_value(data, state, rng):
 
 def search(data, tree, tables, work, descents, c, discount, rng):
     """Grow the tree by up to `descents` descents; returns the number of steps."""
-    actions, observations = tree.actions, tree.observations
-    stride = tree.stride.size
-    reals, counts = tree.reals, tree.counts
+    nodes = tree.nodes
     used = tree.size[0]
     steps = 0
-    for _ in range(min(descents, reals.size // stride - used)):
+    for _ in range(min(descents, nodes.size - used)):
         begin(data, work.state, rng)
-        node = 0
+        here = np.uint32(0)
         depth = 0
         while True:
-            here = node * stride
-            part = 2 * (here + actions + 1)
-            action = select(tree, tables, here, c)
-            counts[part] += 1
+            node = nodes[here]
+            action = select(node, tables, c)
+            node.visited += np.uint32(1)
             observation, reward = step(data, work.state, action, rng)
-            work.nodes[depth] = node
+            work.nodes[depth] = here
             work.actions[depth] = action
             work.rewards[depth] = reward
             depth += 1
-            place = part + 1 + actions + action * observations + observation
-            node = counts[place]
-            if node == 0:
-                counts[place] = used
+            here = node.child[action, observation]
+            if here == 0:
+                node.child[action, observation] = used
                 break
         carried = leaf_value(data, work.state, rng)
-        here = used * stride
-        counts[2 * (here + actions + 1)] = 1
-        reals[here + actions] = carried
+        nodes[used].visited = 1
+        nodes[used].best = carried
         used += 1
         steps += depth
         for level in range(depth - 1, -1, -1):
-            here = work.nodes[level] * stride
+            node = nodes[work.nodes[level]]
             action = work.actions[level]
-            part = 2 * (here + actions + 1)
-            counts[part + 1 + action] += 1
+            tried = node.tried[action] + np.uint32(1)
+            node.tried[action] = tried
             carried = work.rewards[level] + discount * carried
-            reals[here + action] += (carried - reals[here + action]) * tables.inverse[counts[part + 1 + action]]
-            carried = backup(tree, here, action, carried)
+            node.value[action] += (carried - node.value[action]) * tables.inverse[tried]
+            carried = backup(node, carried)
     tree.size[0] = used
     return steps
 
@@ -309,5 +309,4 @@ def run(kernel, model, belief, descents, c, rng):
     tree, work = _MEMORY[key]
     reset(tree)
     steps = kernel(data, tree, _TABLES[descents], work, descents, c, model.discount, rng)
-    part = 2 * (actions + 1)
-    return tree.reals[:actions].copy(), tree.counts[part + 1 : part + 1 + actions].copy(), steps / descents
+    return tree.nodes["value"][0].copy(), tree.nodes["tried"][0].copy(), steps / descents

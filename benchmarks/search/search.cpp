@@ -174,7 +174,9 @@ double grow(const Model &m, const double *states, const double *weights, int par
   make(0);
   int64_t steps = 0;
   Lanes fixed[BLOCKS ? BLOCKS : 1];
-  std::vector<double> heap(BLOCKS ? 0 : m.entries), probability(preferences);
+  std::vector<double> heap(BLOCKS ? 0 : m.entries), some_costs(U ? 0 : preferences), some_chances(U ? 0 : preferences);
+  double own_costs[U ? U : 1], own_chances[U ? U : 1];
+  double *costs = U ? own_costs : some_costs.data(), *chances = U ? own_chances : some_chances.data();
   Lanes *state = BLOCKS ? fixed : reinterpret_cast<Lanes *>(heap.data());
 
   for (int descent = 0; descent < descents; ++descent) {
@@ -201,6 +203,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
       const Lanes *gain = reinterpret_cast<const Lanes *>(m.gain) + static_cast<size_t>(action) * preferences * blocks;
       const Lanes *offset = reinterpret_cast<const Lanes *>(m.offset) + (gain - reinterpret_cast<const Lanes *>(m.gain));
       int preference;
+      double cost = 0;
       if (CHOICE == Choice::uniform) {
         preference = static_cast<int>(rng.uniform() * preferences);
       } else {
@@ -211,46 +214,46 @@ double grow(const Model &m, const double *states, const double *weights, int par
             const Lanes f = gain[u * blocks + j] * state[j] + offset[u * blocks + j];
             total += f * f;
           }
-          probability[u] = sum(total) * scale;
-          lowest = probability[u] < lowest ? probability[u] : lowest;
+          costs[u] = sum(total) * scale;
+          lowest = costs[u] < lowest ? costs[u] : lowest;
         }
         double total = 0;
         for (int u = 0; u < preferences; ++u) {
-          const double excess = probability[u] - lowest;
+          const double excess = costs[u] - lowest;
           if (CHOICE == Choice::cheapest) {
-            probability[u] = excess == 0 ? 1.0 : 0.0;
+            chances[u] = excess == 0 ? 1.0 : 0.0;
           } else {
-            probability[u] = excess == 0 ? 1.0 : std::exp(-m.expertise * excess);
+            chances[u] = excess == 0 ? 1.0 : std::exp(-m.expertise * excess);
           }
-          total += probability[u];
+          total += chances[u];
         }
         // one uniform draw, as in the other search; scaled by the total instead of dividing every probability
-        preference = preferences - 1;
-        double threshold = rng.uniform() * total;
-        if (preferences == 2) {
-          preference = threshold < probability[0] ? 0 : 1;
-        } else {
-          preference = draw(probability.data(), preferences, threshold);
-        }
+        const double threshold = rng.uniform() * total;
+        preference = preferences == 2 ? (threshold < chances[0] ? 0 : 1) : draw(chances, preferences, threshold);
+        cost = costs[preference];
       }
-      // step and reward in one pass
       gain += preference * blocks, offset += preference * blocks;
-      Lanes total = {}, other = {};
-      int j = 0;
-      for (; j + 1 < blocks; j += 2) {
-        const Lanes f = gain[j] * state[j] + offset[j], g = gain[j + 1] * state[j + 1] + offset[j + 1];
-        state[j] = f, state[j + 1] = g;
-        total += f * f, other += g * g;
-      }
-      if (j < blocks) {
-        const Lanes f = gain[j] * state[j] + offset[j];
-        state[j] = f;
-        total += f * f;
+      if (CHOICE != Choice::uniform) {  // its cost is known from the choice
+        for (int j = 0; j < blocks; ++j) state[j] = gain[j] * state[j] + offset[j];
+      } else {  // step and reward in one pass
+        Lanes total = {}, other = {};
+        int j = 0;
+        for (; j + 1 < blocks; j += 2) {
+          const Lanes f = gain[j] * state[j] + offset[j], g = gain[j + 1] * state[j + 1] + offset[j + 1];
+          state[j] = f, state[j + 1] = g;
+          total += f * f, other += g * g;
+        }
+        if (j < blocks) {
+          const Lanes f = gain[j] * state[j] + offset[j];
+          state[j] = f;
+          total += f * f;
+        }
+        cost = scale * sum(total + other);
       }
       const int seen = sharp ? preference
                              : draw(m.observation + static_cast<size_t>(preference) * observations, observations,
                                     rng.uniform());
-      path[depth++] = {node, action, -scale * sum(total + other)};
+      path[depth++] = {node, action, -cost};
       int32_t &child = tree.child(node)[action * observations + seen];
       node = child;
       if (node < 0) {

@@ -56,36 +56,50 @@ def tables(size):
         return Tables(root_log, 1 / np.sqrt(n), 1 / n)
 
 
+def node_type(actions, observations):
+    """A node's record; up to a cache line its size is a power of two, so that a record straddles none."""
+    fields = [
+        ("value", np.float64, (actions,)),
+        ("best", np.float64),
+        ("visited", np.uint32),
+        ("tried", np.uint32, (actions,)),
+        ("child", np.uint32, (actions, observations)),
+    ]
+    size = -(-np.dtype(fields).itemsize // 8) * 8
+    size = size if size > 64 else 1 << (size - 1).bit_length()
+    offsets = [0, *np.cumsum([np.dtype([field]).itemsize for field in fields[:-1]]).tolist()]
+    return np.dtype({
+        "names": [field[0] for field in fields],
+        "formats": [np.dtype(field[1:]) if len(field) > 2 else field[1] for field in fields],
+        "offsets": offsets, "itemsize": size,
+    })
+
+
 class Tree(NamedTuple):
-    reals: np.ndarray  # float64
-    counts: np.ndarray  # uint32, the same memory
+    nodes: np.ndarray  # of node_type
     size: np.ndarray  # int64 (1,): nodes in use
-    stride: np.ndarray  # unused but for its length: doubles per node
-    actions: int
-    observations: int
-
-
-def record_size(actions, observations):
-    """Doubles per node; a power of two up to a cache line, so that a record straddles none."""
-    doubles = actions + 1 + -(-(1 + actions + actions * observations) // 2)
-    return doubles if doubles > 8 else 1 << (doubles - 1).bit_length()
 
 
 def new_tree(capacity, actions, observations):
-    width = record_size(actions, observations)
-    raw = np.empty(capacity * width + 8)
-    skip = (-raw.ctypes.data % 64) // 8
-    reals = raw[skip : skip + capacity * width]
-    counts = reals.view(np.uint32)
-    tree = Tree(reals, counts, np.ones(1, np.int64), np.empty(width), actions, observations)
+    tree = Tree(aligned(np.zeros(capacity, node_type(actions, observations))), np.ones(1, np.int64))
     reset(tree)
     return tree
 
 
 def reset(tree):
-    tree.reals[: tree.stride.size] = 0
-    tree.counts[2 * (tree.actions + 1)] = 1
+    memory = tree.nodes.view(np.uint8)
+    memory[: tree.size[0] * tree.nodes.itemsize] = 0
+    tree.nodes["visited"][0] = 1
     tree.size[0] = 1
+
+
+def aligned(array):
+    """A copy that starts at a cache line."""
+    raw = np.empty(array.nbytes + 64, np.uint8)
+    skip = -raw.ctypes.data % 64
+    copy = raw[skip : skip + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy[...] = array
+    return copy
 
 
 class Workspace(NamedTuple):
@@ -99,7 +113,7 @@ class Workspace(NamedTuple):
 
 def workspace(capacity, entries):
     return Workspace(
-        np.zeros(entries), np.empty(capacity, np.uint32), np.empty(capacity, np.uint32), np.empty(capacity)
+        aligned(np.zeros(entries)), np.empty(capacity, np.uint32), np.empty(capacity, np.uint32), np.empty(capacity)
     )
 
 
@@ -117,17 +131,6 @@ class Fatigue(NamedTuple):
     chances: np.ndarray  # (U,) scratch
     states: np.ndarray
     weights: np.ndarray
-    seed: np.ndarray
-
-
-@part
-def uniform(data):
-    x = data.seed[0]
-    x ^= x << np.uint64(13)
-    x ^= x >> np.uint64(7)
-    x ^= x << np.uint64(17)
-    data.seed[0] = x
-    return np.float64(np.int64(x >> np.uint64(11))) * 1.1102230246251565e-16
 
 
 @part
@@ -142,7 +145,7 @@ def draw(probabilities, threshold):
 @part
 def begin(data, state, rng):
     """state := a draw from the belief."""
-    particle = draw(data.weights, uniform(data)) if data.weights.size > 1 else 0
+    particle = draw(data.weights, rng.random()) if data.weights.size > 1 else 0
     for j in range(state.size):
         state[j] = data.states[particle, j]
 
@@ -153,7 +156,7 @@ def step(data, state, action, rng):
     preferences = data.costs.size
     first = action * preferences * state.size
     if data.expertise == 0:
-        preference = int(uniform(data) * preferences)
+        preference = int(rng.random() * preferences)
         cost = lanes.advance(data.gain, data.offset, state, first + preference * state.size)
     else:
         lowest = np.inf
@@ -166,9 +169,10 @@ def step(data, state, action, rng):
             chance = 1.0 if excess == 0 else np.exp(-data.expertise * excess)
             data.chances[u] = chance
             total += chance
-        preference = draw(data.chances, total * uniform(data))
-        cost = lanes.advance(data.gain, data.offset, state, first + preference * state.size)
-    observation = preference if data.sharp else draw(data.observation[preference], uniform(data))
+        preference = draw(data.chances, total * rng.random())
+        lanes.move(data.gain, data.offset, state, first + preference * state.size)
+        cost = data.costs[preference]
+    observation = preference if data.sharp else draw(data.observation[preference], rng.random())
     return observation, -data.cost_scale * cost
 
 
@@ -176,34 +180,31 @@ def step(data, state, action, rng):
 
 
 @part
-def ucb1(tree, tables, here, c):
-    """The action with the highest value + c sqrt(log N / n), the first of equals; `here`: the node's first double."""
-    counts_at = 2 * (here + tree.actions + 1)
-    width = c * tables.root_log[tree.counts[counts_at] - 1]
+def ucb1(node, tables, c):
+    """The action with the highest value + c sqrt(log N / n), the first of equals."""
+    width = c * tables.root_log[node.visited - 1]
     best, best_score = 0, -np.inf
-    for action in range(tree.actions):
-        score = tree.reals[here + action] + width * tables.inverse_root[tree.counts[counts_at + 1 + action]]
+    for action in range(node.value.size):
+        score = node.value[action] + width * tables.inverse_root[node.tried[action]]
         if score > best_score:
             best, best_score = action, score
     return best
 
 
 @part
-def backup_mean(tree, here, action, carried):
+def backup_mean(node, carried):
     return carried
 
 
 @part
-def backup_max(tree, here, action, carried):
-    counts_at = 2 * (here + tree.actions + 1)
+def backup_max(node, carried):
     after = -np.inf
-    for a in range(tree.actions):
-        if tree.counts[counts_at + 1 + a] > 0:
-            after = max(after, tree.reals[here + a])
-    visited = tree.counts[counts_at]
-    before = tree.reals[here + tree.actions]
-    tree.reals[here + tree.actions] = after
-    return visited * after - (visited - 1) * before
+    for action in range(node.value.size):
+        if node.tried[action] > 0:
+            after = max(after, node.value[action])
+    before = node.best
+    node.best = after
+    return node.visited * after - (node.visited - 1) * before
 
 
 @part
@@ -213,46 +214,39 @@ def no_leaf_value(data, state, rng):
 
 def search(data, tree, tables, work, descents, c, discount, rng):
     """Grow the tree by up to `descents` descents; returns the number of steps."""
-    actions, observations = tree.actions, tree.observations
-    stride = tree.stride.size
-    reals, counts = tree.reals, tree.counts
+    nodes = tree.nodes
     used = tree.size[0]
     steps = 0
-    for _ in range(min(descents, reals.size // stride - used)):
+    for _ in range(min(descents, nodes.size - used)):
         begin(data, work.state, rng)
-        node = 0
+        here = np.uint32(0)
         depth = 0
         while True:
-            here = node * stride
-            part = 2 * (here + actions + 1)
-            action = select(tree, tables, here, c)
-            counts[part] += 1
+            node = nodes[here]
+            action = select(node, tables, c)
+            node.visited += np.uint32(1)
             observation, reward = step(data, work.state, action, rng)
-            work.nodes[depth] = node
+            work.nodes[depth] = here
             work.actions[depth] = action
             work.rewards[depth] = reward
             depth += 1
-            place = part + 1 + actions + action * observations + observation
-            node = counts[place]
-            if node == 0:
-                counts[place] = used
+            here = node.child[action, observation]
+            if here == 0:
+                node.child[action, observation] = used
                 break
         carried = leaf_value(data, work.state, rng)
-        here = used * stride
-        for j in range(here, here + stride):
-            reals[j] = 0.0
-        counts[2 * (here + actions + 1)] = 1
-        reals[here + actions] = carried
+        nodes[used].visited = 1
+        nodes[used].best = carried
         used += 1
         steps += depth
         for level in range(depth - 1, -1, -1):
-            here = work.nodes[level] * stride
+            node = nodes[work.nodes[level]]
             action = work.actions[level]
-            part = 2 * (here + actions + 1)
-            counts[part + 1 + action] += 1
+            tried = node.tried[action] + np.uint32(1)
+            node.tried[action] = tried
             carried = work.rewards[level] + discount * carried
-            reals[here + action] += (carried - reals[here + action]) * tables.inverse[counts[part + 1 + action]]
-            carried = backup(tree, here, action, carried)
+            node.value[action] += (carried - node.value[action]) * 0.01
+            carried = backup(node, carried)
     tree.size[0] = used
     return steps
 
@@ -273,7 +267,9 @@ _TABLES = {}
 
 
 def padded(rows, width=lanes.WIDTH):
-    return np.ascontiguousarray(np.pad(rows, [(0, 0), (0, -rows.shape[1] % width)]))
+    wide = np.zeros((rows.shape[0], -(-rows.shape[1] // width) * width))
+    wide[:, : rows.shape[1]] = rows
+    return aligned(wide)
 
 
 _DATA = {}
@@ -287,7 +283,7 @@ def run(kernel, model, belief, descents, c, rng):
         _DATA[id(model)] = Fatigue(
             gain.ravel(), padded(model.offset.reshape(-1, live)).ravel(), model.observation, True,
             float(model.expertise), 1 / model.entries, np.empty(preferences), np.empty(preferences),
-            padded(belief.states), belief.weights, np.empty(1, np.uint64),
+            padded(belief.states), belief.weights,
         )
     if descents not in _TABLES:
         _TABLES[descents] = tables(descents + 2)
@@ -298,9 +294,7 @@ def run(kernel, model, belief, descents, c, rng):
             new_tree(descents + 1, actions, model.observation.shape[1]),
             workspace(descents + 1, data.states.shape[1]),
         )
-    data.seed[0] = rng.integers(1 << 63)
     tree, work = _MEMORY[key]
     reset(tree)
     steps = kernel(data, tree, _TABLES[descents], work, descents, c, model.discount, rng)
-    part = 2 * (actions + 1)
-    return tree.reals[:actions].copy(), tree.counts[part + 1 : part + 1 + actions].copy(), steps / descents
+    return tree.nodes["value"][0].copy(), tree.nodes["tried"][0].copy(), steps / descents
