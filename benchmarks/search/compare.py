@@ -49,6 +49,7 @@ ROUNDS = 21
 SLOW_ROUNDS = 3  # of pomdp-py and plain Python
 SEEDS = 100  # of the check
 PARTICLES = 1000
+SAME = 0.05  # how far the values of a slow search, from few rounds, may be off
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,7 @@ class Case:
     problem: Problem
     constant: float
     backup: str
+    descents: int = DESCENTS
 
     def __str__(self) -> str:
         return f"{self.problem.name}, c = {self.constant}, {self.backup}"
@@ -70,7 +72,7 @@ class Case:
     @property
     def settings(self) -> PomcpSettings:
         return PomcpSettings(
-            kind="pomcp", backup=self.backup, exploration_constant=self.constant, descents=DESCENTS
+            kind="pomcp", backup=self.backup, exploration_constant=self.constant, descents=self.descents
         )
 
 
@@ -104,11 +106,11 @@ def ours(case: Case, seed: int) -> Root:
     """Our search with what the decision leaves out: counts and depth."""
     policy = build_policy(case.problem.model, case.settings)
     tree = policy.tree(case.problem.belief, np.random.default_rng(seed))
-    return Root(tree.value[0], tree.tried[0], tree.tried.sum() / DESCENTS)
+    return Root(tree.value[0], tree.tried[0], tree.tried.sum() / case.descents)
 
 
 def by_hand(search: SearchByHand, case: Case, seed: int) -> Root:
-    return search(case.problem.belief, DESCENTS, case.constant, case.backup == "max", seed)
+    return search(case.problem.belief, case.descents, case.constant, case.backup == "max", seed)
 
 
 class PeerMissingError(Exception):
@@ -145,7 +147,7 @@ class Peer:
             })  # fmt: skip
         copies = np.rint(belief.weights * PARTICLES).astype(int) if belief.weights.size > 1 else [1]
         return self.ask({
-            "seed": seed, "descents": DESCENTS, "discount": model.discount, "exploration_constant": case.constant,
+            "seed": seed, "descents": case.descents, "discount": model.discount, "exploration_constant": case.constant,
             "particles": np.repeat(belief.states, copies, axis=0).tolist(),
             "states": belief.states.tolist(), "weights": belief.weights.tolist(),
             "settings": case.settings.model_dump(),
@@ -208,6 +210,8 @@ def race(cases: list[Case], peers: dict[str, Peer]) -> None:
         search = SearchByHand(case.problem.model)
         own_policy = build_policy(case.problem.model, case.settings)
         seconds: dict[str, list[float]] = defaultdict(list)
+        values: dict[str, list[list[float]]] = defaultdict(list)
+        reference = by_hand(search, case, 0).values
         depths = {"ours": ours(case, 0).depth, "c++": by_hand(search, case, 0).depth}
         for seed in range(ROUNDS + 1):
             rng = np.random.default_rng(seed)
@@ -224,6 +228,7 @@ def race(cases: list[Case], peers: dict[str, Peer]) -> None:
                 if seed <= SLOW_ROUNDS and not (name == "pomdp-py" and case.backup == "max"):
                     reply = peer.decide(case, seed)
                     seconds[name].append(reply["cpu_s"])
+                    values[name].append(reply["values"])
                     depths[name] = reply.get("depth", depths["ours"])
         base = statistics.median(seconds["c++"])
         ratios = np.quantile(np.array(seconds["ours"]) / np.array(seconds["c++"]), [0.25, 0.75])
@@ -233,6 +238,9 @@ def race(cases: list[Case], peers: dict[str, Peer]) -> None:
             for name in ("ours", *peers) if name in seconds
         ]  # fmt: skip
         print(f"  {case}: {'; '.join(texts)}; {ratios[0]:.2f}-{ratios[1]:.2f}", flush=True)
+        for name, found in values.items():
+            off = np.abs(np.mean(found, axis=0) / reference - 1).max()
+            assert off < SAME, f"{name} finds other values of the root's actions, {off:.1%} off"
 
 
 def main() -> None:
