@@ -81,21 +81,23 @@ class Tree(NamedTuple):
 
 
 def new_tree(capacity, actions, observations):
-    tree = Tree(aligned(np.zeros(capacity, node_type(actions, observations))), np.ones(1, np.int64))
+    nodes = aligned(np.zeros(capacity, node_type(actions, observations)))
+    if numba.config.DISABLE_JIT:
+        nodes = nodes.view(np.recarray)  # fields as attributes, as in compiled code
+    tree = Tree(nodes, np.ones(1, np.int64))
     reset(tree)
     return tree
 
 
 def reset(tree):
-    memory = tree.nodes.view(np.uint8)
-    memory[: tree.size[0] * tree.nodes.itemsize] = 0
+    tree.nodes[: tree.size[0]].view(np.uint8)[:] = 0
     tree.nodes["visited"][0] = 1
     tree.size[0] = 1
 
 
 def aligned(array):
     """A copy that starts at a cache line."""
-    raw = np.empty(array.nbytes + 64, np.uint8)
+    raw = np.zeros(array.nbytes + 64, np.uint8)
     skip = -raw.ctypes.data % 64
     copy = raw[skip : skip + array.nbytes].view(array.dtype).reshape(array.shape)
     copy[...] = array

@@ -72,7 +72,7 @@ class SearchByHand:
     def __init__(self, model: FatiguePomdp) -> None:
         self._search = library().search
         self._search.restype = ctypes.c_double
-        self.actions, preferences, entries = model.gain.shape
+        self.actions, _, entries = model.gain.shape
         self._gain, self._offset = (_padded(rows.reshape(-1, entries)) for rows in (model.gain, model.offset))
         self._observation = np.ascontiguousarray(model.observation)
         sharp = bool((model.observation == np.eye(*model.observation.shape)).all())

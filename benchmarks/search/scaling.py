@@ -86,9 +86,13 @@ def write_figure(path: Path) -> None:
             panel.loglog(list(table), values[:, 0], "o-", color=colour, ms=3, label=f"{name}, per descent")
             panel.loglog(list(table), values[:, 1], "o--", color=colour, ms=3, label=f"{name}, per step")
         panel.set_xlabel(varied)
+        if varied != "descents":
+            panel.set_xticks(list(table), [str(n) for n in table])
+            panel.minorticks_off()
         panel.grid(which="both", alpha=0.3)
     panels[0].set_ylabel("CPU time [µs]")
-    panels[0].legend(fontsize=8)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), fontsize=8)
     figure.savefig(path, dpi=150)
     plt.close(figure)
 
