@@ -161,17 +161,21 @@ def step(data, state, action, rng):
         preference = int(rng.random() * preferences)
         cost = lanes.advance(data.gain, data.offset, state, first + preference * state.size)
     else:
-        lowest = np.inf
+        lowest, preference = np.inf, 0
         for u in range(preferences):
-            data.costs[u] = lanes.squares_after(data.gain, data.offset, state, first + u * state.size)
-            lowest = min(lowest, data.costs[u])
+            cost = lanes.squares_after(data.gain, data.offset, state, first + u * state.size)
+            data.costs[u] = cost
+            if cost < lowest:
+                lowest, preference = cost, u
+        threshold = rng.random()
         total = 0.0
         for u in range(preferences):
             excess = data.cost_scale * (data.costs[u] - lowest)
             chance = 1.0 if excess == 0 else (0.0 if data.expertise == np.inf else np.exp(-data.expertise * excess))
             data.chances[u] = chance
             total += chance
-        preference = draw(data.chances, total * rng.random())
+        if total > 1:  # else the cheapest is the only one
+            preference = draw(data.chances, total * threshold)
         lanes.move(data.gain, data.offset, state, first + preference * state.size)
         cost = data.costs[preference]
     observation = preference if data.sharp else draw(data.observation[preference], rng.random())

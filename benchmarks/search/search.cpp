@@ -202,7 +202,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
       // Eq. 4
       const Lanes *gain = reinterpret_cast<const Lanes *>(m.gain) + static_cast<size_t>(action) * preferences * blocks;
       const Lanes *offset = reinterpret_cast<const Lanes *>(m.offset) + (gain - reinterpret_cast<const Lanes *>(m.gain));
-      int preference;
+      int preference = 0;
       double cost = 0;
       if (CHOICE == Choice::uniform) {
         preference = static_cast<int>(rng.uniform() * preferences);
@@ -215,7 +215,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
             total += f * f;
           }
           costs[u] = sum(total) * scale;
-          lowest = costs[u] < lowest ? costs[u] : lowest;
+          if (costs[u] < lowest) lowest = costs[u], preference = u;
         }
         double total = 0;
         for (int u = 0; u < preferences; ++u) {
@@ -229,7 +229,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
         }
         // one uniform draw, as in the other search; scaled by the total instead of dividing every probability
         const double threshold = rng.uniform() * total;
-        preference = preferences == 2 ? (threshold < chances[0] ? 0 : 1) : draw(chances, preferences, threshold);
+        if (total > 1) preference = draw(chances, preferences, threshold);  // else the cheapest is the only one
         cost = costs[preference];
       }
       gain += preference * blocks, offset += preference * blocks;
