@@ -5,7 +5,7 @@ base, variants, repeats = sys.argv[1], sys.argv[2:], int(os.environ.get("REPEATS
 R = defaultdict(lambda: defaultdict(list))
 for _ in range(repeats):
     for v in [base, *variants]:
-        out = subprocess.run([sys.executable, "measure.py", v, "31"], capture_output=True, text=True, env={**os.environ, "QUICK": "1"})
+        out = subprocess.run([sys.executable, "measure.py", v, os.environ.get("ROUNDS", "31")], capture_output=True, text=True, env={**os.environ, "QUICK": os.environ.get("QUICK", "1")})
         if out.returncode: print(v, out.stderr[-600:])
         for line in out.stdout.splitlines():
             if m := re.match(r"(.*?)\s+c=0.1\s+(\w+).*ratio ([\d.]+)", line): R[v][m[1] + " " + m[2]].append(float(m[3]))
