@@ -23,11 +23,12 @@ the bound needs no solver and has no tolerance: slopes chosen badly make it lowe
 remains. A step sums at most L + 10 terms of the size of the bound, at 2^-53 each; over 100 cycles that
 is below 1e-12 of the bound, of which ROUNDING is given away.
 
-A policy that knows less, such as one that has to infer the state or sees the reactions with errors, costs
-no less. The reactions of a novice (beta = 0) say nothing about a hidden initial state; there every policy
-plays the same game from all initial states at once, and (initial state, entry) is treated as one longer
-state whose costs are weighted with the belief: this bound does not let the policy know the state. For
-beta > 0 it is the mean of the bounds of the initial states, and does.
+Where the initial state is hidden, the first d cycles are minimised over what depends on the history of
+actions and reactions only, for all initial states together. From then on every initial state has its own
+V_t, as if it were revealed, which costs no policy anything. The reactions of a novice (beta = 0) say nothing
+about a hidden state; there every policy plays the same game from all initial states at once, and (initial
+state, entry) is treated as one longer state whose costs are weighted with the belief: nothing is ever
+revealed. Likewise a policy that sees the reactions with errors costs no less than one that sees them.
 """
 
 import time
@@ -39,7 +40,7 @@ from numpy.typing import NDArray
 from fatigue_planner.bounds.history_classes import HistoryClasses, class_memory
 from fatigue_planner.bounds.lookahead import look_ahead
 from fatigue_planner.bounds.sub_solution import cost_to_go
-from fatigue_planner.bounds.task import Task, hidden_state, known_state
+from fatigue_planner.bounds.task import hidden_state, known_state
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -54,13 +55,13 @@ class CostBound:
     """No policy's expected discounted cost is below `cost`.
 
     exact: `cost` is the least expected cost itself, every history having been looked at.
-    state_known: `cost` bounds even policies that know the worker's initial state.
+    state_revealed: the policies it holds for may know the worker's initial state after `exact_cycles`.
     exact_cycles, memory: d and k of the module's proof. seconds: wall-clock time taken.
     """
 
     cost: float
     exact: bool
-    state_known: bool
+    state_revealed: bool
     exact_cycles: int
     memory: int
     seconds: float
@@ -88,28 +89,24 @@ def cost_lower_bound(
     begin = time.perf_counter()
     if (gain < 0).any():
         raise ValueError("The bound needs gains of at least 0.")
-    novice = expertise == 0
-    if novice:
+    if expertise == 0:
         tasks, shares = [hidden_state(gain, offset, states, weights, discount, entries)], np.ones(1)
     else:
         tasks, shares = [known_state(gain, offset, expertise, s, discount, entries) for s in states], weights
     memory = min(class_memory(tasks[0].branches, classes), n_cycles)
-    costs, depths = zip(*(_least_cost(task, n_cycles, memory, leaves) for task in tasks), strict=True)
+    lookahead = look_ahead(tasks, shares, n_cycles, memory, leaves)
+    depth = len(lookahead.levels)
+    leaf_cost = np.zeros(len(lookahead.classes))
+    for s, task in enumerate(tasks):
+        histories = HistoryClasses(task, memory, n_cycles)
+        displacement = lookahead.states[:, s] - histories.states(depth).typical[lookahead.classes]
+        value = cost_to_go(task, histories, depth, n_cycles)[lookahead.classes].at(displacement)
+        leaf_cost += lookahead.weights[:, s] * value
     return CostBound(
-        cost=max(0.0, float(shares @ np.array(costs)) * (1 - ROUNDING)),
-        exact=min(depths) == n_cycles and len(tasks) == 1,
-        state_known=len(states) == 1 or not novice,
-        exact_cycles=min(depths),
+        cost=max(0.0, lookahead.cost(leaf_cost, discount) * (1 - ROUNDING)),
+        exact=depth == n_cycles,
+        state_revealed=len(tasks) > 1 and depth < n_cycles,
+        exact_cycles=depth,
         memory=memory,
         seconds=time.perf_counter() - begin,
     )
-
-
-def _least_cost(task: Task, n_cycles: int, memory: int, leaves: int) -> tuple[float, int]:
-    """The bound of one task, and the number of cycles looked at exactly."""
-    lookahead = look_ahead(task, n_cycles, memory, leaves)
-    depth = len(lookahead.levels)
-    classes = HistoryClasses(task, memory, n_cycles)
-    displacement = lookahead.states - classes.states(depth).typical[lookahead.classes]
-    leaf_cost = cost_to_go(task, classes, depth, n_cycles)[lookahead.classes].at(displacement)
-    return lookahead.cost(leaf_cost, task.discount), depth

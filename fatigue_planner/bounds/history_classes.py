@@ -30,6 +30,10 @@ class ClassStates:
     low: Array
     high: Array
 
+    def __getitem__(self, classes: slice) -> "ClassStates":
+        """Those of some of the classes."""
+        return ClassStates(self.typical[classes], self.spread[classes], self.low[classes], self.high[classes])
+
 
 class HistoryClasses:
     """The classes m = 0 ... R^k - 1 of histories with k or more reactions, where R = A * U.

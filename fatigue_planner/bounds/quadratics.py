@@ -1,5 +1,6 @@
 """Separable quadratics of a state, as plain arrays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -64,10 +65,10 @@ def zero(size: int, length: int) -> Quadratics:
     return Quadratics(np.zeros(size), np.zeros((size, length)), np.zeros((size, length)))
 
 
-def choose(condition: NDArray[np.bool_], yes: Quadratics, no: Quadratics) -> Quadratics:
-    """One or the other function, as `condition` (...,) says."""
+def joined(parts: Sequence[Quadratics]) -> Quadratics:
+    """The functions of all parts, in this order."""
     return Quadratics(
-        np.where(condition, yes.value, no.value),
-        np.where(condition[..., None], yes.slope, no.slope),
-        np.where(condition[..., None], yes.curvature, no.curvature),
+        np.concatenate([part.value for part in parts]),
+        np.concatenate([part.slope for part in parts]),
+        np.concatenate([part.curvature for part in parts]),
     )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.bounds.history_classes import ClassStates, HistoryClasses
-from fatigue_planner.bounds.quadratics import Quadratics, choose, zero
+from fatigue_planner.bounds.quadratics import Quadratics, joined, zero
 from fatigue_planner.bounds.reaction_range import reaction_extremes
 from fatigue_planner.bounds.task import Task
 
@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 # A share moves towards a function by these steps; the best is kept.
 STEPS = np.arange(1, 9) / 8
+# So many classes are worked on at a time: few enough for the processor's cache.
+BLOCK = 512
 # A spread counts as at least this much, so that no curvature is so large that rounding matters.
 LEAST_SPREAD = 1e-3
 
@@ -29,12 +31,18 @@ class Transition:
 
 def cost_to_go(task: Task, classes: HistoryClasses, begin: int, end: int) -> Quadratics:
     """V_t at t = begin of every class (M,), where V_t = 0 at t = end."""
-    later = zero(len(classes.successors), task.start.size)
+    size = len(classes.successors)
+    blocks = [slice(first, first + BLOCK) for first in range(0, size, BLOCK)]
+    later = zero(size, task.start.size)
     then = classes.states(end)
     for time in range(end - 1, begin - 1, -1):
         now = classes.states(time)
-        functions = behaviours(task, Transition(now, then, classes.successors), later)
-        later = below_all(functions, now)
+        later = joined(
+            [
+                below_all(behaviours(task, Transition(now[b], then, classes.successors[b]), later), now[b])
+                for b in blocks
+            ]
+        )
         then = now
     return later
 
@@ -70,20 +78,21 @@ def below_all(functions: Quadratics, states: ClassStates) -> Quadratics:
     Slopes and curvatures are those of `bent_mean`. The shares start on the first function and move
     towards each of the others as far as that raises the mean of the result over the typical spread.
     """
+
+    def candidate(share: Array) -> Quadratics:
+        return lowered(bent_mean(functions, share, states.spread), functions, states)
+
     share = np.zeros_like(functions.value)
     share[:, 0] = 1
-    best = lowered(bent_mean(functions, share, states.spread), functions, states)
-    merit = _typical_mean(best, states)
+    merit = _typical_mean(candidate(share), states)
     for towards in np.eye(share.shape[1])[1:]:
         origin = share
         for step in STEPS:
             moved = (1 - step) * origin + step * towards
-            trial = lowered(bent_mean(functions, moved, states.spread), functions, states)
-            trial_merit = _typical_mean(trial, states)
-            better = trial_merit > merit
-            share = np.where(better[:, None], moved, share)
-            best, merit = choose(better, trial, best), np.maximum(trial_merit, merit)
-    return best
+            moved_merit = _typical_mean(candidate(moved), states)
+            share = np.where((moved_merit > merit)[:, None], moved, share)
+            merit = np.maximum(moved_merit, merit)
+    return candidate(share)
 
 
 def bent_mean(functions: Quadratics, share: Array, spread: Array) -> Quadratics:

@@ -27,7 +27,7 @@ class Task:
     @property
     def branches(self) -> int:
         """Number of reactions, A * U."""
-        return self.gain.shape[0] * self.gain.shape[1]
+        return int(self.gain.shape[0] * self.gain.shape[1])
 
     def reactions(self) -> tuple[Array, Array]:
         """Gain and offset (A * U, L) of the reactions; row a * U + u."""
