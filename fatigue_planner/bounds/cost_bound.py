@@ -1,18 +1,18 @@
 """A cost below which no policy can come, whatever it remembers and however long it computes.
 
 Let J_t(f) be the least expected discounted cost of the cycles t ... n-1 from a known state f, over all
-policies that see every state and every reaction: J_n = 0 and J_t(f) = min over a of B_t[J_t+1](f, a) with
+policies that see every state and every reaction: J_n = 0 and J_t(f) = min over a of T[J_t+1](f, a) with
 
-    B_t[V](f, a) = sum over u of P(u | f, a) [C(f') + gamma V(f')],    f' = gain[a, u] f + offset[a, u].
+    T[V](f, a) = sum over u of P(u | f, a) [C(f') + gamma V(f')],    f' = gain[a, u] f + offset[a, u].
 
 Sort the histories into classes m by their last k reactions. Every state such a history can lead to lies in
 a box B_t(m). Let V_n = 0 and let functions V_t(m, .) fulfil, for all m, all f in B_t(m), and with m' for m
 followed by (a, u),
 
-    V_t(m, f)  <=  min over a of B_t[V_t+1(m', .)](f, a).                                          (1)
+    V_t(m, f)  <=  min over a of T[V_t+1(m', .)](f, a).                                            (1)
 
-Then V_t <= J_t, by induction from t = n: B_t does not fall when V_t+1 is replaced by the larger J_t+1, and
-then the right side is J_t. So minimising exactly over the first d cycles, with V_d in place of J_d at the end
+Then V_t <= J_t, by induction from t = n: T does not fall when V_t+1 is replaced by the larger J_t+1, and then
+the right side is J_t. So minimising exactly over the first d cycles, with V_d in place of J_d at the end
 of every history, gives no more than J_0: the bound.
 
 V_t(m, .) is a separable quadratic. Whatever its slopes and curvatures are, its constant is set to the
@@ -20,8 +20,8 @@ largest that keeps (1): the minimum over a box of separable quadratics has a clo
 (`sub_solution.lowered`). For beta > 0 the P(u | f, a) that a box allows are replaced by all distributions
 between their least and greatest values (`reaction_range`), which can only lower the right side of (1). So
 the bound needs no solver and has no tolerance: slopes chosen badly make it lower, not wrong. Only rounding
-remains. A step sums at most L + 10 terms of the size of the bound, at 2^-53 each; over 100 cycles that
-is below 1e-12 of the bound, of which ROUNDING is given away.
+remains: sums of L terms of the size of the bound, at 2^-53 each, which over 100 cycles stay below 1e-12
+of the bound. ROUNDING of it is given away.
 
 Where the initial state is hidden, the first d cycles are minimised over what depends on the history of
 actions and reactions only, for all initial states together. From then on every initial state has its own
@@ -45,9 +45,9 @@ from fatigue_planner.bounds.task import hidden_state, known_state
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-10
+ROUNDING = 1e-10  # share of the bound
 CLASSES = 4096
-LEAVES = 300_000
+LEAVES = 100_000
 
 
 @dataclass(frozen=True)
