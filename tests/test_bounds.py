@@ -238,11 +238,15 @@ def test_the_minimum_over_a_box() -> None:
 FALSE_ALARM = 1e-6
 
 
+def allowance(cost: np.ndarray, comparisons: int) -> float:
+    """By how much a mean may be off by chance, at that false-alarm rate over all comparisons."""
+    return float(student.isf(FALSE_ALARM / comparisons, len(cost) - 1) * cost.std(ddof=1) / math.sqrt(len(cost)))
+
+
 def assert_no_policy_beats(found: CostBound, costs: dict[str, np.ndarray], comparisons: int) -> None:
     """Mean costs above the bound, by Student's t where chance plays a part, exactly where it does not."""
     for name, cost in costs.items():
-        allowance = student.isf(FALSE_ALARM / comparisons, len(cost) - 1) * cost.std(ddof=1) / math.sqrt(len(cost))
-        assert cost.mean() + allowance >= found.cost, name
+        assert cost.mean() + allowance(cost, comparisons) >= found.cost, name
         if np.ptp(cost) == 0:
             assert cost[0] >= found.cost, name
 
@@ -280,11 +284,12 @@ def test_no_policy_beats_it(expertise: float, start: str, paper: Experiment) -> 
 @pytest.mark.slow
 @pytest.mark.parametrize("n_cycles", [5, 20, 100])
 @pytest.mark.parametrize("condition", ["single_novice", "single_expert", "multiple_novice"])
-def test_no_policy_beats_the_papers_bound_and_the_best_comes_within_a_percent(
+def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_percent(
     condition: str, n_cycles: int, paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
     model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions[condition])
     costs = policy_costs(paper, model, belief, condition, n_cycles, trials=40, descents=1000)
     found = bound(model, belief, n_cycles, classes=1024)
     assert_no_policy_beats(found, costs, comparisons=9 * len(costs))
-    assert min(cost.mean() for cost in costs.values()) < 1.015 * found.cost
+    best = min(costs.values(), key=np.mean)
+    assert best.mean() - allowance(best, 9) < 1.01 * found.cost
