@@ -10,6 +10,7 @@ import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from fatigue_planner.benchmark.bounds import run_bounds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, REGRET_FILE, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
@@ -24,6 +25,7 @@ from fatigue_planner.cli.options import (
     ResultsFolder,
     choose,
     command_line,
+    counter,
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
@@ -55,6 +57,10 @@ def benchmark(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
     regret: Annotated[
         bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
+    ] = False,
+    bound: Annotated[
+        bool,
+        typer.Option("--bound", help="Also compute a cost that no policy can beat."),
     ] = False,
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
@@ -164,6 +170,13 @@ def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]
 def _regret_summary(cells: Sequence[Cell], table: pd.DataFrame) -> str:
     references = {cell.condition: describe(cell.reference) for cell in cells if cell.reference is not None}
     return regret_text(regret_table(table), references)
+
+
+def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:
+    with counter(talk()) as bar:
+        places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
+        task = bar.add_task("Bounding the least cost", total=len(places))
+        return run_bounds(cells, writable_folder(store), jobs, lambda: bar.advance(task))
 
 
 def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:
