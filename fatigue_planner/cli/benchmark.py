@@ -10,7 +10,7 @@ import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from fatigue_planner.benchmark.bounds import run_bounds
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, REGRET_FILE, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
@@ -38,6 +38,7 @@ from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import ReactionName, digests
 from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
 from fatigue_planner.statistics.summary import summary_text
 
@@ -88,6 +89,13 @@ def benchmark(
     if regret:
         summary += "\n" + _regret_summary(cells, table)
         files.append(REGRET_FILE)
+    if bound:
+        gaps = gap_table(comparison, _run_bounds(cells, results / settings.name / "bounds", jobs))
+        publish_bounds(folder, gaps)
+        summary += "\n" + gap_text(gaps)
+        files.append(BOUNDS_FILE)
+    else:
+        (folder / BOUNDS_FILE).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),

@@ -29,6 +29,6 @@ def gap_text(table: pd.DataFrame) -> str:
         spread = f" ± {100 * best['standard_error']:.2f} %" if best["standard_error"] > 0 else ""
         lines.append(
             f"  {condition}, {n_cycles} cycles: the least expected cost {bound}; "
-            f"{best['policy']} is at most {100 * best['gap']:.2f} %{spread} above the optimum"
+            f"{best['policy']} is {'' if best['exact'] else 'at most '}{100 * best['gap']:.2f} %{spread} above the optimum"
         )
     return "\n".join(lines) + "\n"
