@@ -27,8 +27,6 @@ def gap_text(table: pd.DataFrame) -> str:
         best = cell.iloc[0]
         bound = f"{'is' if best['exact'] else 'is at least'} {best['cost_bound']:.6f}"
         spread = f" ± {100 * best['standard_error']:.2f} %" if best["standard_error"] > 0 else ""
-        lines.append(
-            f"  {condition}, {n_cycles} cycles: the least expected cost {bound}; "
-            f"{best['policy']} is {'' if best['exact'] else 'at most '}{100 * best['gap']:.2f} %{spread} above the optimum"
-        )
+        above = f"{'' if best['exact'] else 'at most '}{100 * best['gap']:.2f} %{spread} above the optimum"
+        lines.append(f"  {condition}, {n_cycles} cycles: the least expected cost {bound}; {best['policy']} is {above}")
     return "\n".join(lines) + "\n"
