@@ -127,7 +127,7 @@ def _changed(experiment: Experiment, wanted: Selection) -> Experiment:
     chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), wanted.policies)}
     if wanted.descents is not None:
         chosen_policies = {
-            name: policy.model_copy(update={"descents": wanted.descents})
+            name: policy.model_copy(update={"descents": wanted.descents, "seconds": None})
             if isinstance(policy, PomcpSettings)
             else policy
             for name, policy in chosen_policies.items()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import inlined
+from fatigue_planner.errors import ExperimentError
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -46,13 +47,16 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
     """The discounted returns of all cyclic plans worth considering, reactions being equally likely.
 
-    gain, offset (M, A, U, L): cycle maps; discount < 1. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
+    gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
     and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
         A <- mean (gamma A - 1 / 2N) g^2
         B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
         C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
     Backwards through a whole plan each is an affine map of itself, whose fixed point is the plan's value.
+    Raises ExperimentError without a discount below 1.
     """
+    if discount >= 1:
+        raise ExperimentError("leaf value bound: plans for ever have no value without a discount below 1.")
     plans = cyclic_plans(gain.shape[1])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
     found: list[tuple[Array, Array, Array]] = []
