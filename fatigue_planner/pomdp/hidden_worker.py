@@ -129,10 +129,9 @@ class WorkerPrior:
         """How many workers may be meant; infinitely many where a distribution is continuous."""
         return math.prod(len(d.values) if isinstance(d, Choice) else math.inf for d in self.distributions)
 
-    def hidden(self) -> list[str]:
-        """The parameters that are not known, by their names in Workers."""
-        pairs = zip(Workers._fields, self.distributions, strict=True)
-        return [name for name, d in pairs if not (isinstance(d, Choice) and len(d.values) == 1)]
+    def hidden(self) -> list[int]:
+        """Which of the parameters of Workers are not known."""
+        return [i for i, d in enumerate(self.distributions) if not (isinstance(d, Choice) and len(d.values) == 1)]
 
     def support(self) -> tuple[Workers, Vector]:
         """All workers that may be meant, and their probabilities, where they are finitely many."""

@@ -14,11 +14,20 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 
+# Proposals change a worker's share of a distribution by up to half of it, or by as little as this times that:
+# the sizes are spread evenly over the orders of magnitude, so some fit however much is known.
+SMALLEST_STEP = 1e-3
+
+
 @dataclass(frozen=True)
 class HiddenWorkerBelief(ParticleBelief):
-    """Particles that each have a worker of their own, whose number in the model their states hold."""
+    """Particles that each have a worker of their own, whose number in the model their states hold.
+
+    shares (n, 3): where the model's workers are in the prior's distributions, between 0 and 1
+    """
 
     model: FatiguePomdp
+    shares: Array = field(kw_only=True)
     prior: WorkerPrior = field(kw_only=True)
     history: History = field(kw_only=True)
 
@@ -26,14 +35,15 @@ class HiddenWorkerBelief(ParticleBelief):
     def start(model: FatiguePomdp, states: Array, prior: WorkerPrior, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Equally likely states (n, L), each with a worker drawn from the prior."""
         count = len(states)
-        workers = prior.at(rng.random((count, len(Workers._fields))))
+        shares = rng.random((count, len(Workers._fields)))
         numbered = states.copy()
         numbered[:, -1] = np.arange(count)
         return HiddenWorkerBelief(
-            model.for_workers(workers),
+            model.for_workers(prior.at(shares)),
             numbered,
             np.full(count, 1 / count),
             log_weights=np.zeros(count),
+            shares=shares,
             prior=prior,
             history=History.begin(numbered),
         )
@@ -45,28 +55,31 @@ class HiddenWorkerBelief(ParticleBelief):
     def rejuvenated(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior as it is.
 
-        One hidden parameter after the other is proposed from its prior, and accepted with the ratio of the
-        likelihoods of the particle's past outcomes (Metropolis-Hastings; the prior cancels out). The fatigue
-        is then what that worker's past comes to.
+        One hidden parameter after the other takes a random step along its distribution, round its ends, and
+        keeps it with the ratio of the likelihoods of the particle's past outcomes (Metropolis-Hastings: as
+        shares are distributed evenly, the prior cancels out). The fatigue is then what that worker's past
+        comes to.
         """
         history, count = self.history, len(self.states)
-        own = np.arange(count)
-        workers, states, log_likelihood = self.workers(), self.states.copy(), history.log_likelihood
+        states, log_likelihood = self.states.copy(), history.log_likelihood
+        shares = self.shares[states[:, -1].astype(np.intp)]
         start = history.start.copy()
-        start[:, -1] = states[:, -1] = own
-        for name in self.prior.hidden():
-            proposal = self.prior.at(rng.random((count, len(Workers._fields))))
-            tried = workers._replace(**{name: getattr(proposal, name)})
+        start[:, -1] = states[:, -1] = np.arange(count)
+        for column in self.prior.hidden():
+            step = SMALLEST_STEP ** rng.random(count) * (rng.random(count) - 0.5)
+            tried = shares.copy()
+            tried[:, column] = (shares[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
-            arrays = self.model.for_workers(tried).arrays
+            arrays = self.model.for_workers(self.prior.at(tried)).arrays
             likelihood = relive(arrays, moved, history.actions, history.outcomes, len(self.model.outcomes))
             accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
-            workers = Workers(*(np.where(accepted, new, old) for new, old in zip(tried, workers, strict=True)))
+            shares = np.where(accepted[:, None], tried, shares)
             states = np.where(accepted[:, None], moved, states)
             log_likelihood = np.where(accepted, likelihood, log_likelihood)
         return replace(
             self,
-            model=self.model.for_workers(workers),
+            model=self.model.for_workers(self.prior.at(shares)),
+            shares=shares,
             states=states,
             history=replace(history, start=start, log_likelihood=log_likelihood),
         )
