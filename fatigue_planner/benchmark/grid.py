@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
 from fatigue_planner.pomdp.situation import Situation
 
 # What produces the numbers of a trial besides its settings and reactions.
@@ -14,7 +14,7 @@ SOURCES = ("fatigue", "pomdp", "planners", "benchmark")
 
 @dataclass(frozen=True)
 class Cell:
-    """One policy in one condition for one number of cycles."""
+    """One policy in one condition for one number of cycles; with a reference, its regret is measured, too."""
 
     condition: str
     n_cycles: int
@@ -23,6 +23,7 @@ class Cell:
     situation: Situation
     seed: int
     trials: int
+    reference: LookaheadSettings | None = None
 
     @property
     def name(self) -> str:
@@ -35,6 +36,7 @@ class Cell:
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
+                "reference": self.reference.plain() if self.reference else None,
                 "situation": self.situation.fingerprint(),
                 "sources": digest_of_package(*SOURCES),
                 "versions": {library: version(library) for library in ("numpy", "numba")},

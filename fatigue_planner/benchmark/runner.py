@@ -8,8 +8,9 @@ import numpy as np
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.streams import stream
-from fatigue_planner.benchmark.trial import TrialResult, draw_world, run_trial
+from fatigue_planner.benchmark.trial import Reference, TrialResult, draw_world, run_trial
 from fatigue_planner.parallel import run_parallel
+from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.registry import build_policy
 
 TRIALS_PER_PART = 5
@@ -24,7 +25,12 @@ def run_cell(cell: Cell, trials: Sequence[int]) -> Results:
         world = draw_world(cell.seed, cell.condition, cell.n_cycles, trial)
         planner = stream(cell.seed, "planner", cell.condition, cell.n_cycles, trial, cell.policy)
         policy = build_policy(cell.settings)
-        results[trial] = run_trial(cell.situation, policy, cell.settings.knows, cell.n_cycles, world, planner)
+        reference = None
+        if cell.reference is not None:
+            draws = stream(cell.seed, "reference", cell.condition, cell.n_cycles, trial, cell.policy)
+            reference = Reference(LookaheadPolicy(cell.reference), draws)
+        knows = cell.settings.knows
+        results[trial] = run_trial(cell.situation, policy, knows, cell.n_cycles, world, planner, reference)
     return results
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.trial import TrialResult
+from fatigue_planner.benchmark.trial import Regret, TrialResult
 from fatigue_planner.errors import DamagedFileError
 from fatigue_planner.files import DIGEST_LENGTH, canonical_json, digest_of, publish_text, set_aside
 
@@ -58,7 +58,7 @@ class TrialStore:
             # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
             intact = content.pop("sha256") == digest_of(content) and text == _text(content)
             if intact and content["digest"] == digest:
-                return {int(row.pop("trial")): TrialResult(**row) for row in content["trials"]}
+                return {int(row.pop("trial")): _result(row) for row in content["trials"]}
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             pass
         set_aside(path)
@@ -69,6 +69,11 @@ class TrialStore:
 def _text(content: Mapping[str, Any]) -> str:
     """A part's file: what it says and its SHA-256."""
     return canonical_json({**content, "sha256": digest_of(content)})
+
+
+def _result(row: Mapping[str, Any]) -> TrialResult:
+    regret = row["regret"]
+    return TrialResult(**{**row, "regret": None if regret is None else Regret(**regret)})
 
 
 def _outcome(result: TrialResult) -> tuple[float, float, float]:

@@ -15,8 +15,10 @@ KEY = ["condition", "n_cycles", "policy", "trial"]
 SAME = "deterministic"
 OUTCOMES = ["discounted_return", "final_cost", "peak_cost"]
 TIMES = ["mean_planning_time_s", "longest_planning_time_s"]
+REGRETS = ["decision_loss", "run_loss", "agreement"]
 TRIALS_FILE = "trials.csv"
 TIMES_FILE = "planning_times.csv"
+REGRET_FILE = "regret.csv"
 
 
 def trial_table(cells: Sequence[Cell], results: Sequence[Results]) -> pd.DataFrame:
@@ -25,14 +27,21 @@ def trial_table(cells: Sequence[Cell], results: Sequence[Results]) -> pd.DataFra
         {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
         | {SAME: cell.is_deterministic()}
         | vars(done[trial])
+        | (vars(done[trial].regret) if done[trial].regret else {})
         for cell, done in zip(cells, results, strict=True)
         for trial in sorted(done)
     ]
-    return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, *TIMES])
+    regrets = REGRETS if any(cell.reference for cell in cells) else []
+    return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, *regrets, *TIMES])
 
 
 def publish_table(folder: Path, table: pd.DataFrame) -> None:
-    """Write trials.csv and, because times are never the same twice, planning_times.csv apart from it."""
+    """Write trials.csv and, because times are never the same twice, planning_times.csv apart from it.
+
+    Where regret was measured, it goes to regret.csv.
+    """
+    if REGRETS[0] in table:
+        publish_text(folder / REGRET_FILE, table[KEY + REGRETS].to_csv(index=False, lineterminator="\n"))
     publish_text(folder / TRIALS_FILE, table[[*KEY, SAME, *OUTCOMES]].to_csv(index=False, lineterminator="\n"))
     publish_text(folder / TIMES_FILE, table[KEY + TIMES].to_csv(index=False, lineterminator="\n"))
 

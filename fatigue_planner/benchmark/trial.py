@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.benchmark.streams import stream
+from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.policy import Policy
 from fatigue_planner.pomdp.problem import draw
 from fatigue_planner.pomdp.situation import Knowledge, Situation
@@ -25,14 +26,30 @@ class World:
 
 
 @dataclass(frozen=True)
+class Regret:
+    """What the decisions of a run lose against a reference, by the reference's own values.
+
+    decision_loss: mean over the decisions of max_a Q(b, a) - Q(b, action taken), >= 0
+    run_loss: the sum of gamma^t times these; by the performance-difference lemma (Kakade & Langford 2002) its
+        mean is what the policy's expected return falls short of the reference's, where Q is exact
+    agreement: share of the decisions that lose nothing
+    """
+
+    decision_loss: float
+    run_loss: float
+    agreement: float
+
+
+@dataclass(frozen=True)
 class TrialResult:
-    """What a run came to. Times are wall-clock seconds per decision."""
+    """What a run came to. Times are wall-clock seconds per decision; regret, where it was asked for."""
 
     discounted_return: float
     final_cost: float
     peak_cost: float
     mean_planning_time_s: float
     longest_planning_time_s: float
+    regret: Regret | None = None
 
 
 def draw_world(seed: int, condition: str, n_cycles: int, trial: int) -> World:
@@ -46,8 +63,22 @@ def draw_world(seed: int, condition: str, n_cycles: int, trial: int) -> World:
     )
 
 
+@dataclass(frozen=True)
+class Reference:
+    """A policy whose values judge other policies' decisions, and its own random stream."""
+
+    policy: LookaheadPolicy
+    rng: np.random.Generator
+
+
 def run_trial(
-    situation: Situation, policy: Policy, knows: Knowledge, n_cycles: int, world: World, rng: np.random.Generator
+    situation: Situation,
+    policy: Policy,
+    knows: Knowledge,
+    n_cycles: int,
+    world: World,
+    rng: np.random.Generator,
+    reference: Reference | None = None,
 ) -> TrialResult:
     """Run the task for a number of cycles; `rng` is the planner's own stream.
 
@@ -56,12 +87,19 @@ def run_trial(
     model = situation.worker(world.worker)
     state = situation.start(world.start)
     belief = situation.initial_belief(knows, model, rng)
+    judged = belief  # by the reference, which knows the prior
+    if reference is not None and knows != "prior":
+        judged = situation.initial_belief("prior", model, reference.rng)
     total, discount = 0.0, 1.0
-    costs, times = np.empty(n_cycles), np.empty(n_cycles)
+    costs, times, losses = np.empty(n_cycles), np.empty(n_cycles), np.zeros(n_cycles)
     for cycle in range(n_cycles):
         begin = time.perf_counter()
         action = policy.act(belief, rng).action
         times[cycle] = time.perf_counter() - begin
+        if reference is not None:
+            judged = belief if knows == "prior" else judged
+            values = reference.policy.values(judged, reference.rng)
+            losses[cycle] = values.max() - values[action]
         preference = draw(model.probabilities(state, action), world.preference[cycle])
         state, reward = model.after(state, action, preference)
         observation = draw(model.observation_probabilities(state, action, preference), world.observation[cycle])
@@ -70,4 +108,10 @@ def run_trial(
         discount *= model.discount
         policy.observe(action, observation)
         belief = belief.update(action, observation, rng)
-    return TrialResult(total, float(costs[-1]), float(costs.max()), float(times.mean()), float(times.max()))
+        if reference is not None and knows != "prior":
+            judged = judged.update(action, observation, reference.rng)
+    regret = None
+    if reference is not None:
+        weights = model.discount ** np.arange(n_cycles)
+        regret = Regret(float(losses.mean()), float(weights @ losses), float((losses == 0).mean()))
+    return TrialResult(total, float(costs[-1]), float(costs.max()), float(times.mean()), float(times.max()), regret)

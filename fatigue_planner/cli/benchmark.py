@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
-from fatigue_planner.benchmark.table import OUTCOMES, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.benchmark.table import OUTCOMES, REGRET_FILE, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -30,10 +31,12 @@ from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_req
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
-from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.planners.reference import describe, reference_for
+from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import ReactionName, digests
 from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.regret import regret_table, regret_text
 from fatigue_planner.statistics.summary import summary_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
@@ -50,6 +53,9 @@ def benchmark(
     trials: Annotated[int | None, typer.Option(min=1, max=MOST, help="Trials per cell instead of the file's.")] = None,
     descents: Annotated[int | None, typer.Option(min=1, max=MOST, help="Descents of every POMCP.")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
+    regret: Annotated[
+        bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
+    ] = False,
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
@@ -61,27 +67,30 @@ def benchmark(
     where it stopped when it is started again, and ends in the same table.
     """
     settings = load_experiment(experiment)
-    wanted = Selection(cycles, conditions, policies, trials, descents, seed)
+    wanted = Selection(cycles, conditions, policies, trials, descents, seed, regret)
     grid = _changed(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
     folder = writable_folder(results / (settings.name + _suffix(wanted)))
-    cells = _cells(grid, profiles)
+    cells = _cells(grid, profiles, wanted.regret)
     table = _run(cells, store, jobs)
     publish_table(folder, table)
     comparison = comparison_table(table, settings.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
     summary = summary_text(comparison, settings.significance_level)
+    files = [TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE]
+    if regret:
+        summary += "\n" + _regret_summary(cells, table)
+        files.append(REGRET_FILE)
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
         "seed": grid.benchmark.seed,
         "reactions": digests(reaction_requests(settings)),
     }
-    files = [folder / name for name in (TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE)]
-    publish_manifest(folder, "benchmark", configuration, files)
+    publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
     typer.echo(summary)
-    others = ", ".join([COMPARISON_FILE, SUMMARY_FILE, TIMES_FILE, MANIFEST_FILE])
+    others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
 
 
@@ -95,6 +104,7 @@ class Selection:
     trials: int | None
     descents: int | None
     seed: int | None
+    regret: bool
 
 
 def _changed(experiment: Experiment, wanted: Selection) -> Experiment:
@@ -127,19 +137,33 @@ def _suffix(wanted: Selection) -> str:
     numbers = {"trials": wanted.trials, "descents": wanted.descents, "seed": wanted.seed}
     parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
     parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
+    parts += ["_regret"] if wanted.regret else []
     suffix = "".join(parts)
     return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
-def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
+def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], with_regret: bool) -> list[Cell]:
     grid = experiment.benchmark
     situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
+    references: dict[str, LookaheadSettings | None] = dict.fromkeys(situations)
+    if with_regret:
+        references = {
+            name: grid.reference or reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
+            for name, one in situations.items()
+        }
     return [
-        Cell(condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials)
+        Cell(
+            condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials, references[condition]
+        )
         for condition in grid.conditions
         for n_cycles in grid.n_cycles
         for policy, settings in grid.policies.items()
     ]
+
+
+def _regret_summary(cells: Sequence[Cell], table: pd.DataFrame) -> str:
+    references = {cell.condition: describe(cell.reference) for cell in cells if cell.reference is not None}
+    return regret_text(regret_table(table), references)
 
 
 def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:

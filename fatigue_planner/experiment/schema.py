@@ -12,7 +12,7 @@ from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
-from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.settings import Settings
@@ -24,6 +24,7 @@ Level = Annotated[float, Field(ge=0, le=1)]
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
     "trials", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest", "summary",
+    "regret", "bounds",
 )  # fmt: skip
 
 
@@ -56,6 +57,8 @@ class Benchmark(Settings):
     n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1)
     trials: int = Field(ge=1, le=1_000_000)
     seed: int = Field(ge=0)
+    # What `--regret` measures decisions against; left out, the deepest affordable lookahead.
+    reference: LookaheadSettings | None = None
 
 
 class Experiment(Settings):

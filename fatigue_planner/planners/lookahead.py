@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from fatigue_planner.compiled import specialised
-from fatigue_planner.planners.parts import LEAF_VALUES
+from fatigue_planner.planners.parts import LEAF_VALUES, bound_arrays_for
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
 from fatigue_planner.planners.search.descent import Numbers
 from fatigue_planner.planners.search.expectimax import best_return, room_for
@@ -46,6 +46,14 @@ class LookaheadPolicy(Policy):
         room = room_for(belief.states, settings.depth, outcomes, actions, model.telling)
         count = len(belief.weights)
         room.states[:count], room.weights[:count] = belief.states, belief.weights
-        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, outcomes, NO_TABLE, NO_TABLE)
+        numbers = Numbers(
+            exploration_constant=0.0,
+            discount=model.discount,
+            rollout_cycles=settings.rollout_cycles,
+            outcomes=outcomes,
+            log_root=NO_TABLE,
+            inverse_root=NO_TABLE,
+            bound_arrays=bound_arrays_for(model, settings.leaf_value),
+        )
         kernel(model.arrays, room, 0, count, numbers, rng)
         return np.asarray(room.values[0].copy())

@@ -80,6 +80,11 @@ LEAF_VALUES: dict[LeafValueName, Callable[[Pomdp], Any]] = {
 }
 
 
+def bound_arrays_for(model: Pomdp, leaf_value: LeafValueName) -> Any:
+    """What the leaf value reads of the problem besides its arrays: 0 for nothing."""
+    return model.bound_arrays if leaf_value == "bound" else 0
+
+
 def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName, leaf_value: LeafValueName) -> Any:
     """`search.descent.grow` for a problem and these parts, compiled."""
     up, down = BACKUPS[backup], EXPLORATIONS[exploration]

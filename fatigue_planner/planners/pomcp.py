@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from fatigue_planner.planners.parts import BACKUPS, EXPLORATIONS, search_kernel
+from fatigue_planner.planners.parts import BACKUPS, EXPLORATIONS, bound_arrays_for, search_kernel
 from fatigue_planner.planners.policy import Decision, Policy, explained
 from fatigue_planner.planners.search.descent import Numbers, tables
 from fatigue_planner.planners.search.tree import UNVISITED, Tree, copy_subtree, new_tree
@@ -82,6 +82,7 @@ class PomcpPolicy(Policy):
             settings.rollout_cycles,
             len(model.outcomes),
             *self._tables,
+            bound_arrays_for(model, settings.leaf_value),
         )
         assert callable(kernel)
         depth = kernel(model.arrays, belief.states, belief.weights, tree, descents, numbers, rng)

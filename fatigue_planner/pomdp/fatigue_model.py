@@ -6,6 +6,7 @@ place the number of the worker it belongs to. Where the worker is known there is
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.compiled import compiled
 from fatigue_planner.fatigue.cycle_map import CycleProfile
+from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
 from fatigue_planner.pomdp.preference_choice import normalise_choice
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
 
@@ -124,7 +126,7 @@ def react_by_chance(
     return draw(arrays.observation[preference], rng.random()), reward
 
 
-FATIGUE = Dynamics(preference_probabilities, react, recognition, react_by_chance)
+FATIGUE = Dynamics(preference_probabilities, react, recognition, react_by_chance, best_plan_value)
 
 
 class Workers(NamedTuple):
@@ -168,6 +170,13 @@ class FatiguePomdp(Pomdp):
         ]  # A x U x (gain, offset), each (M, entries)
         gain, offset = np.moveaxis(np.array(rows), 2, 0)
         return self.with_maps(np.moveaxis(gain, 2, 0), np.moveaxis(offset, 2, 0), workers)
+
+    @cached_property
+    def bound_arrays(self) -> PlanValues:
+        """The values of the best cyclic plans of every worker."""
+        shape = (len(self.workers.expertise), len(self.actions), len(self.outcomes), -1)
+        gain, offset = self.arrays.gain.reshape(shape), self.arrays.offset.reshape(shape)
+        return plan_values(gain, offset, self.discount, self.entries)
 
     def with_maps(self, gain: Array, offset: Array, workers: Workers) -> "FatiguePomdp":
         """The same task with these cycle maps (M, A, U, entries)."""

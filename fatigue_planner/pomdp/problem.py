@@ -32,8 +32,9 @@ class Dynamics:
         `state` is the one after the action
     step(arrays, state, action, scratch, rng) -> (observation, reward), optional
         moves `state` in place by chance: a short cut through the other three; `scratch` is (K,)
-    bound(arrays, state) -> value, optional
-        what can be said of a state's value at once (leaf value `bound`)
+    bound(bound_arrays, state) -> value, optional
+        a value that some policy is sure to reach from the state (leaf value `bound`); `bound_arrays` is the
+        problem's own, see `Pomdp.bound_arrays`
     """
 
     outcome_probabilities: Callable[..., Any]
@@ -72,6 +73,11 @@ class Pomdp:
     def parts(self) -> dict[str, Any]:
         """The problem's functions by the names templates give them."""
         return self.dynamics.parts(len(self.observations))
+
+    @cached_property
+    def bound_arrays(self) -> Any:
+        """What `dynamics.bound` reads; computed when first asked for."""
+        return None
 
     def probabilities(self, state: Vector, action: int) -> Vector:
         """P(outcome | state, action), (K,)."""

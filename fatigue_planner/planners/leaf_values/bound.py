@@ -8,19 +8,19 @@ from fatigue_planner.planners.search.descent import Numbers
 from fatigue_planner.planners.search.tree import Vector
 
 
-def bound(arrays: Any, state: Vector) -> float:
+def bound(bound_arrays: Any, state: Vector) -> float:
     """Stands for the problem's own bound."""
     raise NotImplementedError
 
 
 def problem_bound(
-    arrays: Any,
+    _arrays: Any,
     state: Vector,
     _moved: Vector,
     _scratch: Vector,
-    _numbers: Numbers,
+    numbers: Numbers,
     _actions: int,
     _rng: np.random.Generator,
 ) -> float:
     """Template: the problem's bound of the state's value."""
-    return bound(arrays, state)
+    return bound(numbers.bound_arrays, state)

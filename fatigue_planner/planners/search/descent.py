@@ -22,6 +22,7 @@ class Numbers(NamedTuple):
     outcomes: int
     log_root: Vector
     inverse_root: Vector
+    bound_arrays: Any
 
 
 def tables(capacity: int) -> tuple[Vector, Vector]:
