@@ -15,12 +15,9 @@ from fatigue_planner.compiled import compiled
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Plans of up to so many cycles; with many actions, only as long as there are at most MOST_PLANS of them.
-LONGEST_PLAN = 4
+# Plans of up to so many cycles, as long as there are at most MOST_PLANS of them.
+LONGEST_PLAN = 6
 MOST_PLANS = 1000
-# Backward steps until the discount has made the rest negligible.
-NEGLIGIBLE = 1e-12
-MOST_STEPS = 2000
 
 
 class PlanValues(NamedTuple):
@@ -47,42 +44,81 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
 
 
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
-    """The discounted returns of all cyclic plans, reactions being equally likely.
+    """The discounted returns of all cyclic plans worth considering, reactions being equally likely.
 
-    gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost
-    sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
+    gain, offset (M, A, U, L): cycle maps; discount < 1. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
+    and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
         A <- mean (gamma A - 1 / 2N) g^2
         B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
         C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
-    repeated backwards through the plan until what lies beyond is negligible.
+    Backwards through a whole plan each is an affine map of itself, whose fixed point is the plan's value.
     """
     plans = cyclic_plans(gain.shape[1])
-    steps = (
-        MOST_STEPS
-        if discount == 1
-        else min(MOST_STEPS, int(np.log(NEGLIGIBLE) / np.log(max(discount, NEGLIGIBLE))) + 1)
-    )
-    square = np.zeros((gain.shape[0], len(plans), gain.shape[-1]))
-    linear, constant = np.zeros_like(square), np.zeros(square.shape[:2])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
-    for back in range(steps, 0, -1):
-        # the action a plan takes in its cycle number back - 1
-        now = np.array([plan[(back - 1) % len(plan)] for plan in plans])
-        weight = discount * square - 1 / entries
-        constant = (weight * o2[:, now] + discount * linear * o1[:, now]).sum(axis=2) + discount * constant
-        linear = 2 * weight * go[:, now] + discount * linear * g1[:, now]
-        square = weight * g2[:, now]
-    return PlanValues(square, linear, constant)
+    found: list[tuple[Array, Array, Array]] = []
+    for length in sorted({len(plan) for plan in plans}):
+        phases = np.array([plan for plan in plans if len(plan) == length]).T[::-1]  # the last cycle first
+        square = _fixed_point([(discount * g2[:, now], -g2[:, now] / entries) for now in phases])
+        weight = [discount * after - 1 / entries for after in square]
+        linear = _fixed_point(
+            [(discount * g1[:, now], 2 * w * go[:, now]) for now, w in zip(phases, weight, strict=True)]
+        )
+        added = [
+            (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1)
+            for now, w, after in zip(phases, weight, linear, strict=True)
+        ]
+        constant = _fixed_point([(np.full_like(one, discount), one) for one in added])
+        found.append((square[0], linear[0], constant[0]))
+    values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
+    return _undominated(values) if len(gain) == 1 else values
+
+
+def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:
+    """x before each of the steps x <- a x + b that are repeated for ever: where the last leads, the first begins."""
+    slope, shift = np.ones_like(steps[0][0]), np.zeros_like(steps[0][1])
+    for a, b in steps:
+        slope, shift = a * slope, a * shift + b
+    values = [shift / (1 - slope)]
+    for a, b in steps[:-1]:
+        values.append(a * values[-1] + b)
+    return values
+
+
+def _undominated(values: PlanValues) -> PlanValues:
+    """Without the plans that are nowhere, for any fatigue in [0, 1], better than some other plan.
+
+    The difference of two plans' values is a sum over the entries of a quadratic in each, so its largest
+    value is the sum of theirs.
+    """
+    square, linear, constant = values.square[0], values.linear[0], values.constant[0]
+    alive = np.ones(constant.size, dtype=bool)
+    for better in np.argsort(-constant):
+        if alive[better]:
+            a, b, c = square - square[better], linear - linear[better], constant - constant[better]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                top = np.clip(-b / (2 * a), 0, 1)
+            middle = np.where(a < 0, (a * top + b) * top, 0.0)
+            dominated = np.maximum(np.maximum(a + b, 0), middle).sum(axis=1) + c <= 0
+            dominated[better] = False
+            alive &= ~dominated
+    return PlanValues(*(table[:, alive] for table in values))
 
 
 @compiled
 def best_plan_value(values: PlanValues, state: Vector) -> float:
-    """The value of the best plan for a state, whose last number is the worker."""
+    """The value of the best plan for a state, whose last number is the worker.
+
+    The sum is kept in four parts that do not wait for each other (fatigue_model.LANES).
+    """
     worker = int(state[state.size - 1])
+    square, linear = values.square[worker], values.linear[worker]
     best = -np.inf
-    for plan in range(values.constant.shape[1]):
-        total = values.constant[worker, plan]
-        for j in range(values.square.shape[2]):
-            total += (values.square[worker, plan, j] * state[j] + values.linear[worker, plan, j]) * state[j]
-        best = max(best, total)
+    for plan in range(square.shape[0]):
+        s0 = s1 = s2 = s3 = 0.0
+        for j in range(0, square.shape[1], 4):
+            s0 += (square[plan, j] * state[j] + linear[plan, j]) * state[j]
+            s1 += (square[plan, j + 1] * state[j + 1] + linear[plan, j + 1]) * state[j + 1]
+            s2 += (square[plan, j + 2] * state[j + 2] + linear[plan, j + 2]) * state[j + 2]
+            s3 += (square[plan, j + 3] * state[j + 3] + linear[plan, j + 3]) * state[j + 3]
+        best = max(best, values.constant[worker, plan] + ((s0 + s1) + (s2 + s3)))
     return best

@@ -1,0 +1,329 @@
+// The tree search of fatigue_planner/planners/search.py by hand in C++17, as a yardstick of speed.
+//
+// The same algorithm: no rollout, UCB1 with untried actions first in order and equal scores to the first,
+// Eq. 4's choice, backup by mean or by max (MaxUCT). Only the random stream is another one (xoshiro256+).
+//
+// What makes it fast:
+// - a node is one record (64 bytes with two actions and two observations: one cache line), laid out as
+//   wanted by the descent; nodes are initialised when they are made, in memory that stays between calls;
+// - UCB1 without division, root or logarithm: tables of sqrt(log N), 1 / sqrt(n) and 1 / n;
+//   1 / sqrt(0) = inf makes the untried action win without a branch;
+// - the state is simulated again in each descent (not kept in the nodes), in vectors of eight entries which
+//   stay in registers where the number of entries is a template argument;
+// - the max backup is a mean backup of another target: r + gamma (n V - n' V'), with the successor's visits
+//   and value after (n, V) and before (n', V') this descent, so that no other successor is looked at.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <vector>
+
+namespace {
+
+constexpr int LANES = 8;
+typedef double Lanes __attribute__((vector_size(LANES * sizeof(double)), aligned(8), may_alias));
+
+struct Model {
+  int actions, preferences, observations, entries;  // entries: padded to a multiple of LANES
+  const double *gain, *offset;                      // (actions * preferences, entries)
+  const double *observation;                        // (preferences, observations)
+  bool sharp;                                       // the observation always is the preference
+  double expertise, discount, cost_scale;
+};
+
+struct Xoshiro {  // xoshiro256+, Blackman & Vigna
+  uint64_t s[4];
+  explicit Xoshiro(uint64_t seed) {
+    for (auto &word : s) {  // splitmix64
+      uint64_t z = (seed += 0x9e3779b97f4a7c15u);
+      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+      z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+      word = z ^ (z >> 31);
+    }
+  }
+  inline double uniform() {
+    const uint64_t result = s[0] + s[3], t = s[1] << 17;
+    s[2] ^= s[0];
+    s[3] ^= s[1];
+    s[1] ^= s[2];
+    s[0] ^= s[3];
+    s[2] ^= t;
+    s[3] = (s[3] << 45) | (s[3] >> 19);
+    return static_cast<double>(result >> 11) * 0x1.0p-53;
+  }
+};
+
+// Tables by count, kept between calls.
+struct Tables {
+  std::vector<double> root_log, inverse_root, inverse;
+  void grow(size_t size) {
+    if (inverse.size() >= size) return;
+    root_log.resize(size), inverse_root.resize(size), inverse.resize(size);
+    for (size_t n = 0; n < size; ++n) {
+      // the first two are log 0 and log 1: positive, so that (>0) * inf = inf, but too small to change a score
+      root_log[n] = n < 2 ? 1e-300 : std::sqrt(std::log(static_cast<double>(n)));
+      inverse_root[n] = n ? 1 / std::sqrt(static_cast<double>(n)) : std::numeric_limits<double>::infinity();
+      inverse[n] = n ? 1.0 / static_cast<double>(n) : 0;
+    }
+  }
+};
+
+// Memory kept between calls.
+struct Arena {
+  void *memory = nullptr;
+  size_t bytes = 0;
+  void *take(size_t wanted) {
+    if (wanted > bytes) {
+      std::free(memory);
+      bytes = (wanted + 63) / 64 * 64;
+      memory = std::aligned_alloc(64, bytes);
+      if (!memory) throw std::bad_alloc();
+    }
+    return memory;
+  }
+};
+
+Tables tables;
+Arena node_arena, path_arena;
+
+inline double sum(const Lanes &v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
+
+inline int draw(const double *probabilities, int size, double threshold) {
+  for (int i = 0; i < size - 1; ++i) {
+    threshold -= probabilities[i];
+    if (threshold < 0) return i;
+  }
+  return size - 1;
+}
+
+// A node's record when the numbers are known: fixed offsets. Otherwise the same fields at computed ones.
+template <int A, int O>
+struct Node {
+  double value[A];
+  double best;  // V(h), for the max backup
+  int32_t visited;
+  int32_t tried[A];
+  int32_t child[A * O];
+};
+
+template <int A, int O>
+struct Nodes {
+  Node<A, O> *nodes;
+  static size_t bytes(int, int) { return (sizeof(Node<A, O>) + 63) / 64 * 64; }
+  static constexpr size_t STRIDE = (sizeof(Node<A, O>) + 63) / 64 * 64;
+  Nodes(void *memory, int, int) : nodes(static_cast<Node<A, O> *>(memory)) {}
+  inline Node<A, O> &at(int i) const {
+    return *reinterpret_cast<Node<A, O> *>(reinterpret_cast<char *>(nodes) + static_cast<size_t>(i) * STRIDE);
+  }
+  inline double *value(int i) const { return at(i).value; }
+  inline double &best(int i) const { return at(i).best; }
+  inline int32_t &visited(int i) const { return at(i).visited; }
+  inline int32_t *tried(int i) const { return at(i).tried; }
+  inline int32_t *child(int i) const { return at(i).child; }
+};
+
+template <>
+struct Nodes<0, 0> {
+  char *memory;
+  size_t actions, stride;
+  static size_t bytes(int A, int O) {
+    return (sizeof(double) * (A + 1) + sizeof(int32_t) * (1 + A + static_cast<size_t>(A) * O) + 15) / 16 * 16;
+  }
+  Nodes(void *m, int A, int O) : memory(static_cast<char *>(m)), actions(A), stride(bytes(A, O)) {}
+  inline double *value(int i) const { return reinterpret_cast<double *>(memory + i * stride); }
+  inline double &best(int i) const { return value(i)[actions]; }
+  inline int32_t *ints(int i) const { return reinterpret_cast<int32_t *>(value(i) + actions + 1); }
+  inline int32_t &visited(int i) const { return *ints(i); }
+  inline int32_t *tried(int i) const { return ints(i) + 1; }
+  inline int32_t *child(int i) const { return ints(i) + 1 + actions; }
+};
+
+struct Step {
+  int32_t node, action;
+  double reward;
+};
+
+enum class Choice { uniform, cheapest, soft };
+
+// BLOCKS: vectors of a state, or 0 if only known at run time.
+template <int A, int U, int BLOCKS, Choice CHOICE, bool MAXIMISE>
+double grow(const Model &m, const double *states, const double *weights, int particles, int descents,
+            double exploration, uint64_t seed, double *values, int64_t *tried_out) {
+  const int actions = A ? A : m.actions, preferences = U ? U : m.preferences;
+  const int observations = U ? U : m.observations;  // a template argument U is used with sharp observations only
+  const int blocks = BLOCKS ? BLOCKS : m.entries / LANES;
+  const bool sharp = U ? true : m.sharp;
+  const double discount = m.discount, scale = m.cost_scale;
+  Xoshiro rng(seed);
+  tables.grow(static_cast<size_t>(descents) + 2);
+  using Storage = Nodes<A, U>;
+  const Storage tree(node_arena.take(Storage::bytes(actions, observations) * (descents + 1)), actions, observations);
+  Step *path = static_cast<Step *>(path_arena.take(sizeof(Step) * (descents + 1)));
+  const double *root_log = tables.root_log.data(), *inverse_root = tables.inverse_root.data();
+  const double *inverse = tables.inverse.data();
+  const double c = exploration > 0 ? exploration : 1e-300;  // 0 * inf would be NaN
+
+  auto make = [&](int i) {
+    for (int a = 0; a < actions; ++a) tree.value(i)[a] = 0, tree.tried(i)[a] = 0;
+    for (int k = 0; k < actions * observations; ++k) tree.child(i)[k] = -1;
+    tree.best(i) = 0;
+    tree.visited(i) = 1;
+  };
+  int used = 1;
+  make(0);
+  int64_t steps = 0;
+  Lanes fixed[BLOCKS ? BLOCKS : 1];
+  std::vector<double> heap(BLOCKS ? 0 : m.entries), some_costs(U ? 0 : preferences), some_chances(U ? 0 : preferences);
+  double own_costs[U ? U : 1], own_chances[U ? U : 1];
+  double *costs = U ? own_costs : some_costs.data(), *chances = U ? own_chances : some_chances.data();
+  Lanes *state = BLOCKS ? fixed : reinterpret_cast<Lanes *>(heap.data());
+
+  for (int descent = 0; descent < descents; ++descent) {
+    const int particle = particles > 1 ? draw(weights, particles, rng.uniform()) : 0;
+    const Lanes *start = reinterpret_cast<const Lanes *>(states) + static_cast<size_t>(particle) * blocks;
+    for (int j = 0; j < blocks; ++j) state[j] = start[j];
+    int node = 0, depth = 0;
+    while (node >= 0) {
+      // UCB1
+      const int32_t times = tree.visited(node) - 1;
+      const double *value = tree.value(node);
+      const int32_t *tried = tree.tried(node);
+      const double width = c * root_log[times];
+      int action = 0;
+      double best = value[0] + width * inverse_root[tried[0]];
+      for (int a = 1; a < actions; ++a) {
+        const double score = value[a] + width * inverse_root[tried[a]];
+        const bool better = score > best;
+        action = better ? a : action;
+        best = better ? score : best;
+      }
+      tree.visited(node) = times + 2;
+      // Eq. 4
+      const Lanes *gain = reinterpret_cast<const Lanes *>(m.gain) + static_cast<size_t>(action) * preferences * blocks;
+      const Lanes *offset = reinterpret_cast<const Lanes *>(m.offset) + (gain - reinterpret_cast<const Lanes *>(m.gain));
+      int preference = 0;
+      double cost = 0;
+      if (CHOICE == Choice::uniform) {
+        preference = static_cast<int>(rng.uniform() * preferences);
+      } else {
+        double lowest = std::numeric_limits<double>::infinity();
+        for (int u = 0; u < preferences; ++u) {
+          Lanes total = {};
+          for (int j = 0; j < blocks; ++j) {
+            const Lanes f = gain[u * blocks + j] * state[j] + offset[u * blocks + j];
+            total += f * f;
+          }
+          costs[u] = sum(total) * scale;
+          if (costs[u] < lowest) lowest = costs[u], preference = u;
+        }
+        double total = 0;
+        for (int u = 0; u < preferences; ++u) {
+          const double excess = costs[u] - lowest;
+          if (CHOICE == Choice::cheapest) {
+            chances[u] = excess == 0 ? 1.0 : 0.0;
+          } else {
+            chances[u] = excess == 0 ? 1.0 : std::exp(-m.expertise * excess);
+          }
+          total += chances[u];
+        }
+        // one uniform draw, as in the other search; scaled by the total instead of dividing every probability
+        const double threshold = rng.uniform() * total;
+        if (total > 1) preference = draw(chances, preferences, threshold);  // else the cheapest is the only one
+        cost = costs[preference];
+      }
+      gain += preference * blocks, offset += preference * blocks;
+      if (CHOICE != Choice::uniform) {  // its cost is known from the choice
+        for (int j = 0; j < blocks; ++j) state[j] = gain[j] * state[j] + offset[j];
+      } else {  // step and reward in one pass
+        Lanes total = {}, other = {};
+        int j = 0;
+        for (; j + 1 < blocks; j += 2) {
+          const Lanes f = gain[j] * state[j] + offset[j], g = gain[j + 1] * state[j + 1] + offset[j + 1];
+          state[j] = f, state[j + 1] = g;
+          total += f * f, other += g * g;
+        }
+        if (j < blocks) {
+          const Lanes f = gain[j] * state[j] + offset[j];
+          state[j] = f;
+          total += f * f;
+        }
+        cost = scale * sum(total + other);
+      }
+      const int seen = sharp ? preference
+                             : draw(m.observation + static_cast<size_t>(preference) * observations, observations,
+                                    rng.uniform());
+      path[depth++] = {node, action, -cost};
+      int32_t &child = tree.child(node)[action * observations + seen];
+      node = child;
+      if (node < 0) {
+        child = used;
+        make(used++);
+      }
+    }
+    steps += depth;
+    double carried = 0;  // mean: the return below; max: n V - n' V' of the successor, a new leaf's being 0
+    for (int level = depth - 1; level >= 0; --level) {
+      const Step &step = path[level];
+      const int n = ++tree.tried(step.node)[step.action];
+      double *value = tree.value(step.node);
+      carried = step.reward + discount * carried;
+      value[step.action] += (carried - value[step.action]) * inverse[n];
+      if (MAXIMISE) {
+        double &best = tree.best(step.node);
+        double after = -std::numeric_limits<double>::infinity();
+        for (int a = 0; a < actions; ++a) {
+          const double v = tree.tried(step.node)[a] ? value[a] : -std::numeric_limits<double>::infinity();
+          after = v > after ? v : after;
+        }
+        const double visited = tree.visited(step.node);
+        carried = visited * after - (visited - 1) * best;
+        best = after;
+      }
+    }
+  }
+  for (int a = 0; a < actions; ++a) values[a] = tree.value(0)[a], tried_out[a] = tree.tried(0)[a];
+  return static_cast<double>(steps) / descents;
+}
+
+template <int A, int U, int BLOCKS, typename... Rest>
+double by_choice(const Model &m, bool maximise, Rest... rest) {
+  if (m.expertise == 0)
+    return maximise ? grow<A, U, BLOCKS, Choice::uniform, true>(m, rest...)
+                    : grow<A, U, BLOCKS, Choice::uniform, false>(m, rest...);
+  if (std::isinf(m.expertise))
+    return maximise ? grow<A, U, BLOCKS, Choice::cheapest, true>(m, rest...)
+                    : grow<A, U, BLOCKS, Choice::cheapest, false>(m, rest...);
+  return maximise ? grow<A, U, BLOCKS, Choice::soft, true>(m, rest...)
+                  : grow<A, U, BLOCKS, Choice::soft, false>(m, rest...);
+}
+
+template <int A, int U, typename... Rest>
+double by_entries(const Model &m, Rest... rest) {
+  switch (m.entries / LANES) {
+    case 2: return by_choice<A, U, 2>(m, rest...);
+    case 3: return by_choice<A, U, 3>(m, rest...);
+    case 4: return by_choice<A, U, 4>(m, rest...);
+    case 10: return by_choice<A, U, 10>(m, rest...);
+    default: return by_choice<A, U, 0>(m, rest...);
+  }
+}
+
+}  // namespace
+
+// Grows a tree; writes the root's values and counts of every action and returns the mean depth of a descent.
+// Rows of gain, offset and states hold `entries` numbers, padded with zeros to a multiple of 8. Not for threads.
+extern "C" double search(int actions, int preferences, int observations, int entries, const double *gain,
+                         const double *offset, const double *observation, int sharp, double expertise,
+                         double discount, double cost_scale, const double *states, const double *weights,
+                         int particles, int descents, double exploration, int maximise, uint64_t seed,
+                         double *values, int64_t *tried) {
+  const Model m{actions, preferences, observations, entries,  gain,       offset,
+                observation, sharp != 0, expertise, discount, cost_scale};
+  const bool max = maximise != 0;
+  if (m.sharp && actions == 2 && preferences == 2)
+    return by_entries<2, 2>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
+  if (m.sharp && actions == 3 && preferences == 2)
+    return by_choice<3, 2, 0>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
+  return by_choice<0, 0, 0>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
+}
