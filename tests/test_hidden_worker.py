@@ -9,18 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PAPER
+from conftest import PAPER, ROOT
 from pydantic import TypeAdapter
 from scipy import stats
 from test_particles import BLIND, FALSE_ALARM, NOISY, STARTS, small_model, z_scores
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.runner import run_cell, run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, trial_table
+from fatigue_planner.benchmark.trial import draw_world
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import situation
-from fatigue_planner.experiment.schema import Condition, Experiment
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests, situation
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.planners.baselines import GreedyPolicy
@@ -33,6 +34,7 @@ from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, Workers, one_worke
 from fatigue_planner.pomdp.hidden_worker import Distribution, HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import draw
 from fatigue_planner.pomdp.situation import Situation, average_worker
+from fatigue_planner.reactions.reaction import Reaction
 
 K = {"kind": "lognormal", "median": 1.0, "sigma": 0.5}
 R = {"kind": "uniform", "from": 0.5, "to": 2.0}
@@ -275,12 +277,9 @@ def test_rejuvenation_leaves_workers_and_their_pasts_as_they_are_distributed() -
     for values, law, old in zip(after.workers(), laws, belief.workers(), strict=True):
         scale = np.asarray if law is laws[1] else np.log
         assert stats.kstest(scale(values), law.cdf).pvalue > 1e-6
-        tired = np.square(after.states[:, :3]).sum(axis=1)
-        once = np.square(belief.states[:, :3]).sum(axis=1)
-        ours, theirs = scale(values) * tired, scale(old) * once
-        assert abs(stats.ttest_rel(ours, theirs).statistic) < FALSE_ALARM
-        ours, theirs = (scale(v) * (b.history.outcomes @ np.arange(8)) for v, b in ((values, after), (old, belief)))
-        assert abs(stats.ttest_rel(ours, theirs).statistic) < FALSE_ALARM
+        fit, fitted = after.history.log_likelihood, belief.history.log_likelihood
+        for ours, theirs in ((fit, fitted), (scale(values) * fit, scale(old) * fitted)):
+            assert abs(stats.ttest_rel(ours, theirs).statistic) < FALSE_ALARM
     # what it says of a particle is what that worker's past comes to
     states = after.history.start.copy()
     log_likelihood = relive(after.model.arrays, states, after.history.actions, after.history.outcomes, 2)
@@ -460,6 +459,19 @@ def test_exact_belief_where_it_cannot_be(tmp_path: Path, values: str, expected: 
     assert "belief.kind: exact can hold 1000 workers, in hidden_workers.someone " + expected in str(caught.value)
 
 
+def test_the_docs_hidden_worker_is_understood(tmp_path: Path) -> None:
+    from test_scenes import block
+
+    hidden, _ = block("your-own.md", "## … worker of whom", "yaml").split("benchmark:")
+    seen = block("your-own.md", "## … reactions recognised", "yaml")
+    path = tmp_path / "mine.yaml"
+    text = PAPER.read_text().replace("discount: 0.95 ", hidden + seen + "discount: 0.95 ")
+    path.write_text(text.replace(NOVICE, SOMEONE.replace("someone", "newcomer")))
+    experiment = load_experiment(path)
+    assert WorkerPrior(experiment.hidden_workers["newcomer"], None).hidden() == [0, 1, 2]
+    assert experiment.recognised()[0] == ("arm", "back", "unclear")
+
+
 # --- runs ----------------------------------------------------------------------------------------------------------
 
 
@@ -484,12 +496,10 @@ def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
     assert len(tables[0]) == 48 and len(np.unique(tables[0][:, 0])) > 24
 
 
-def test_a_condition_of_the_papers_task(tmp_path: Path, reactions: tuple[object, ...]) -> None:
+def test_a_condition_of_the_papers_task(tmp_path: Path, reactions: tuple[Reaction, ...]) -> None:
     """From file to situation: live entries, observations, prior."""
-    from fatigue_planner.experiment.resolve import cycle_profiles
-
     experiment = load_experiment(write(tmp_path / "mine.yaml"))
-    condition: Condition = experiment.benchmark.conditions["single_novice"]
+    condition = experiment.benchmark.conditions["single_novice"]
     here = situation(experiment, cycle_profiles(experiment, reactions), condition)
     assert here.prior is not None and not here.model.telling and here.model.observations == ("arm", "back", "unclear")
     assert here.model.workers.expertise.tolist() == [5000.0] and here.belief.kind == "particles"
@@ -498,3 +508,29 @@ def test_a_condition_of_the_papers_task(tmp_path: Path, reactions: tuple[object,
     for observation in (0, 2, 1, 2):
         belief = belief.update(1, observation, np.random.default_rng(1))
     assert belief.weights.sum() == pytest.approx(1)
+
+
+def test_the_experiment_is_what_its_file_says(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """The paper's reactions; each policy with three kinds of knowledge; all of them meet the same worker."""
+    experiment = load_experiment(ROOT / "experiments" / "hidden_worker.yaml")
+    ours, theirs = ([request.motion for request in reaction_requests(e)] for e in (experiment, paper))
+    assert ours == theirs
+    policies = experiment.benchmark.policies
+    for kind in ("plan", "greedy"):
+        three = [policies[f"{kind}_{name}"] for name in ("infers", "average", "told")]
+        assert [settings.knows for settings in three] == ["prior", "average", "truth"]
+        assert len({str(settings.model_copy(update={"knows": "prior"})) for settings in three}) == 1
+    profiles = cycle_profiles(experiment, reactions)
+    sizes = {}
+    for name, condition in experiment.benchmark.conditions.items():
+        here = situation(experiment, profiles, condition)
+        world = draw_world(1, name, 3, 0)
+        truth = here.worker(world.worker)
+        sizes[name] = [
+            len(here.initial_belief(k, truth, np.random.default_rng(0)).weights) for k in ("prior", "average", "truth")
+        ]
+        for settings in policies.values():
+            cell = Cell(name, 3, "any", settings, here, 1, 1)
+            (result,) = run_cell(cell, [0]).values()
+            assert -0.1 < result.discounted_return < 0
+    assert sizes == {"hidden_rates": [9, 1, 1], "hidden_expertise": [3, 1, 1], "all_hidden": [81, 3, 3]}
