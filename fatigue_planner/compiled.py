@@ -44,8 +44,28 @@ numba.config.CACHE_DIR = str(cache_folder())
 
 def compiled(function: F) -> F:
     """Compile a function to machine code that releases Python's lock; division by zero gives inf."""
-    decorated: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    decorated: F = numba.njit(**OPTIONS)(function)
     return decorated
+
+
+def kernel(function: F) -> F:
+    """Compile a function that works on arrays it is given: it cannot make any, nor assign whole arrays.
+
+    It does without numba's counting of references, which otherwise takes most of the time of a small
+    step: every call counts every array of every NamedTuple up and down.
+    """
+    decorated: F = numba.njit(**OPTIONS, _nrt=False)(function)
+    return decorated
+
+
+def inlined(function: F) -> F:
+    """Like `kernel`, for a small function that becomes part of those that call it."""
+    decorated: F = numba.njit(**OPTIONS, _nrt=False, forceinline=True)(function)
+    return decorated
+
+
+OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
+Compiler = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 def _by_name(dispatcher: Any) -> Any:
@@ -61,17 +81,19 @@ def _by_name(dispatcher: Any) -> Any:
 copyreg.pickle(CPUDispatcher, _by_name)
 
 
-def specialised(template: Callable[..., Any], **parts: Any) -> Callable[..., Any]:
+def specialised(template: Callable[..., Any], compiler: Compiler = compiled, **parts: Any) -> Callable[..., Any]:
     """A compiled copy of a plain function in which the global names `parts` stand for these compiled functions.
 
     So one kernel serves every problem: the problem's functions become part of its machine code. Equal
     templates and parts give the same compiled function.
     """
-    return _specialised(template, tuple(sorted(parts.items())))
+    return _specialised(template, compiler, tuple(sorted(parts.items())))
 
 
 @cache
-def _specialised(template: Callable[..., Any], parts: tuple[tuple[str, Hashable], ...]) -> Callable[..., Any]:
+def _specialised(
+    template: Callable[..., Any], compiler: Compiler, parts: tuple[tuple[str, Hashable], ...]
+) -> Callable[..., Any]:
     assert isinstance(template, FunctionType)
     copy = FunctionType(
         template.__code__, {**template.__globals__, **dict(parts)}, template.__name__, template.__defaults__
@@ -81,11 +103,11 @@ def _specialised(template: Callable[..., Any], parts: tuple[tuple[str, Hashable]
     common = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(Path(common) / key)
     try:
-        kernel = compiled(copy)
+        made = compiler(copy)
     finally:
         numba.config.CACHE_DIR = common
-    copy.__globals__[template.__name__] = kernel  # so that it can call itself
-    return kernel
+    copy.__globals__[template.__name__] = made  # so that it can call itself
+    return made
 
 
 def _meaning(value: object, inside: tuple[object, ...]) -> object:

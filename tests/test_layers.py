@@ -8,8 +8,8 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / "fatigue_planner"
 FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance", "yaml_reader"]
 LAYERS = [
-    "human", "exports", "motion", "reactions", "fatigue", "pomdp", "planners", "benchmark", "statistics", "experiment",
-    "figures", "reports", "viewer", "cli",
+    "human", "exports", "motion", "reactions", "fatigue", "pomdp", "bounds", "planners", "benchmark", "statistics",
+    "experiment", "figures", "reports", "viewer", "cli",
 ]  # fmt: skip
 
 

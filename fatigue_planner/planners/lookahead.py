@@ -4,15 +4,13 @@ import time
 
 import numpy as np
 
-from fatigue_planner.compiled import specialised
+from fatigue_planner.compiled import kernel, specialised
 from fatigue_planner.planners.parts import LEAF_VALUES, bound_arrays_for
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.expectimax import best_return, room_for
+from fatigue_planner.planners.search.expectimax import best_return, new_levels
+from fatigue_planner.planners.search.numbers import Numbers, new_room, tables
 from fatigue_planner.planners.settings import LookaheadSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-
-NO_TABLE = np.zeros(0)
 
 
 class LookaheadPolicy(Policy):
@@ -35,25 +33,19 @@ class LookaheadPolicy(Policy):
         """The return of every action, followed by the best ones, (A,)."""
         settings, model = self.settings, belief.model
         parts = {name: part for name, part in model.parts.items() if name != "step"}
-        kernel = specialised(
+        enumerate_all = specialised(
             best_return,
+            kernel,
             **parts,
             leaf_value=LEAF_VALUES[settings.leaf_value](model),
             TELLING=model.telling,
             N_OBSERVATIONS=len(model.observations),
         )
+        count, width = belief.states.shape
         outcomes, actions = len(model.outcomes), len(model.actions)
-        room = room_for(belief.states, settings.depth, outcomes, actions, model.telling)
-        count = len(belief.weights)
-        room.states[:count], room.weights[:count] = belief.states, belief.weights
-        numbers = Numbers(
-            exploration_constant=0.0,
-            discount=model.discount,
-            rollout_cycles=settings.rollout_cycles,
-            outcomes=outcomes,
-            log_root=NO_TABLE,
-            inverse_root=NO_TABLE,
-            bound_arrays=bound_arrays_for(model, settings.leaf_value),
-        )
-        kernel(model.arrays, room, 0, count, numbers, rng)
-        return np.asarray(room.values[0].copy())
+        levels = new_levels(belief.states, settings.depth, outcomes, actions, model.telling)
+        levels.states[:count], levels.weights[:count] = belief.states, belief.weights
+        bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, bound_arrays, *tables(0))
+        enumerate_all(model.arrays, levels, new_room(width, outcomes, 0), 0, count, numbers, rng)
+        return np.asarray(levels.values[0].copy())

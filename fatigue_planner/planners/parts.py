@@ -7,7 +7,7 @@ EXPLORATIONS or LEAF_VALUES and to the Literal above it.
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
-from fatigue_planner.compiled import specialised
+from fatigue_planner.compiled import inlined, kernel, specialised
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.planners.backups.exact import back_up_exact, expect_outcomes
 from fatigue_planner.planners.backups.max import back_up_max
@@ -45,18 +45,18 @@ class Exploration(NamedTuple):
 
 
 def _expect_outcomes(model: Pomdp) -> Any:
-    return specialised(expect_outcomes, **_without_step(model), TELLING=model.telling)
+    return specialised(expect_outcomes, inlined, **_without_step(model), TELLING=model.telling)
 
 
 def _greedy_rollout(model: Pomdp) -> Any:
     parts = {name: model.parts[name] for name in ("outcome_probabilities", "advance", "step")}
-    return specialised(greedy_rollout, **parts)
+    return specialised(greedy_rollout, inlined, **parts)
 
 
 def _problem_bound(model: Pomdp) -> Any:
     if model.dynamics.bound is None:
         raise ExperimentError("leaf value bound: this problem has none; use none, random_rollout or greedy_rollout.")
-    return specialised(problem_bound, bound=model.dynamics.bound)
+    return specialised(problem_bound, inlined, bound=model.dynamics.bound)
 
 
 def _without_step(model: Pomdp) -> Parts:
@@ -74,7 +74,7 @@ EXPLORATIONS: dict[ExplorationName, Exploration] = {
 }
 LEAF_VALUES: dict[LeafValueName, Callable[[Pomdp], Any]] = {
     "none": lambda _: no_value,
-    "random_rollout": lambda model: specialised(random_rollout, step=model.parts["step"]),
+    "random_rollout": lambda model: specialised(random_rollout, inlined, step=model.parts["step"]),
     "greedy_rollout": _greedy_rollout,
     "bound": _problem_bound,
 }
@@ -90,6 +90,7 @@ def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName
     up, down = BACKUPS[backup], EXPLORATIONS[exploration]
     return specialised(
         grow,
+        kernel,
         step=model.parts["step"],
         select_action=down.select_action,
         note_return=down.note_return,

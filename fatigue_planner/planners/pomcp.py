@@ -1,13 +1,14 @@
 """Monte-Carlo tree search from the belief: POMCP, POMCP-Max (paper, section III-D) and their variants."""
 
 import time
+from typing import Any
 
 import numpy as np
 
 from fatigue_planner.planners.parts import BACKUPS, EXPLORATIONS, bound_arrays_for, search_kernel
 from fatigue_planner.planners.policy import Decision, Policy, explained
-from fatigue_planner.planners.search.descent import Numbers, tables
-from fatigue_planner.planners.search.tree import UNVISITED, Tree, copy_subtree, new_tree
+from fatigue_planner.planners.search.numbers import TINY, Numbers, Room, new_room, tables
+from fatigue_planner.planners.search.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
 from fatigue_planner.planners.settings import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 
@@ -17,99 +18,95 @@ FIRST_CAPACITY = 4096
 
 
 class PomcpPolicy(Policy):
-    """A tree search; its settings say what it is made of and when it ends."""
+    """A tree search; its settings say what it is made of and when it ends.
+
+    Its memory is kept from decision to decision, so a tree lasts until the next one is grown.
+    """
 
     def __init__(self, settings: PomcpSettings) -> None:
         self.settings = settings
         self.draws_at_random = settings.seconds is not None  # how far it comes in a time differs from run to run
         self._tree: Tree | None = None
-        self._depth = 0
+        self._spare: Tree | None = None
+        self._room: Room | None = None
         self._tables = tables(0)
+        self._depth = 0
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """The action with the best estimated return at the root; the first of equals."""
         begin = time.perf_counter()
-        tree = self.tree(belief, rng, begin)
-        tried = tree.tried[0] > 0
-        values = np.where(tried, tree.value[0], np.nan)
-        action = int(np.where(tried, tree.value[0], -np.inf).argmax())
-        descents = int(tree.visited[0]) - 1
-        reason = explained(f"best estimated return after {descents} descents", belief)
-        visits = tree.tried[0].astype(np.int64)
+        root = self.tree(belief, rng, begin).nodes[0]
+        visits = root["tried"].astype(np.int64)
+        values = np.where(visits > 0, root["value"], np.nan)
+        action = int(np.nanargmax(values))
+        reason = explained(f"best estimated return after {visits.sum()} descents", belief)
         return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
 
     def observe(self, action: int, observation: int) -> None:
         """With reuse, what follows of the tree becomes the next one."""
         tree = self._tree
-        self._tree = None
-        if self.settings.reuse_tree and tree is not None:
-            node = int(tree.child[0, action, observation])
-            if node != UNVISITED:
-                kept = _empty_tree_like(tree, int(tree.visited[node]))
-                copy_subtree(tree, node, kept)
-                self._tree = kept
+        if tree is None:
+            return
+        node = int(tree.nodes["child"][0, action, observation])
+        if not self.settings.reuse_tree or node == UNVISITED:
+            clear(tree)
+            return
+        if self._spare is None or self._spare.nodes.size < tree.nodes.size:
+            self._spare = new_tree(tree.nodes.size, tree.nodes.dtype)
+        clear(self._spare)
+        graft(tree, node, self._spare)
+        self._tree, self._spare = self._spare, tree
 
     def tree(self, belief: Belief, rng: np.random.Generator, begin: float) -> Tree:
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
         settings, model = self.settings, belief.model
-        kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
-        tree = self._tree
-        used = 0 if tree is None else int(tree.used[0])
-        capacity = used + (settings.descents or FIRST_CAPACITY) + 1
-        if tree is None:
-            backup, exploration = BACKUPS[settings.backup], EXPLORATIONS[settings.exploration]
-            sizes = capacity, len(model.actions), len(model.observations)
-            tree = new_tree(*sizes, backup.with_chances, exploration.with_spread)
-        else:
-            tree = _grown(tree, capacity)
+        grow = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
+        if not settings.reuse_tree and self._tree is not None:
+            clear(self._tree)
         self._depth = 0
         if settings.descents is not None:
-            self._grow(kernel, belief, tree, settings.descents, rng)
-        else:
-            assert settings.seconds is not None
-            tree = self._grow_until(kernel, belief, tree, begin + settings.seconds, rng)
-        self._tree = tree
+            return self._grow(grow, belief, settings.descents, rng)
+        assert settings.seconds is not None
+        return self._grow_until(grow, belief, begin + settings.seconds, rng)
+
+    def _grow(self, grow: Any, belief: Belief, descents: int, rng: np.random.Generator) -> Tree:
+        settings, model = self.settings, belief.model
+        tree, room = self._memory(belief, descents)
+        constant = max(settings.exploration_constant, TINY)
+        bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        numbers = Numbers(constant, model.discount, settings.rollout_cycles, bound_arrays, *self._tables)
+        depth = grow(model.arrays, belief.states, belief.weights, tree, room, descents, numbers, rng)
+        self._depth = max(self._depth, depth)
         return tree
 
-    def _grow(self, kernel: object, belief: Belief, tree: Tree, descents: int, rng: np.random.Generator) -> None:
-        capacity = tree.visited.size
-        if self._tables[0].size <= capacity:
-            self._tables = tables(2 * capacity)
-        settings, model = self.settings, belief.model
-        numbers = Numbers(
-            settings.exploration_constant,
-            model.discount,
-            settings.rollout_cycles,
-            len(model.outcomes),
-            *self._tables,
-            bound_arrays_for(model, settings.leaf_value),
-        )
-        assert callable(kernel)
-        depth = kernel(model.arrays, belief.states, belief.weights, tree, descents, numbers, rng)
-        self._depth = max(self._depth, depth)
-
-    def _grow_until(self, kernel: object, belief: Belief, tree: Tree, end: float, rng: np.random.Generator) -> Tree:
+    def _grow_until(self, grow: Any, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
         """Grow until another look at the clock might come too late; one descent at least per action."""
         descents, longest = len(belief.model.actions), 0.0
         while True:
-            if int(tree.used[0]) + descents > tree.visited.size:
-                tree = _grown(tree, 2 * tree.visited.size)
             begin = time.perf_counter()
-            self._grow(kernel, belief, tree, descents, rng)
+            tree = self._grow(grow, belief, descents, rng)
             now = time.perf_counter()
             longest = max(longest, (now - begin) / descents * DESCENTS_PER_LOOK)
             descents = DESCENTS_PER_LOOK
             if now + 2 * longest > end:
                 return tree
 
-
-def _empty_tree_like(tree: Tree, capacity: int) -> Tree:
-    _, actions, observations = tree.child.shape
-    return Tree(*new_tree(capacity, actions, observations, tree.chance.shape[0] > 0, tree.spread.size > 0))
-
-
-def _grown(tree: Tree, capacity: int) -> Tree:
-    """The same tree with more room."""
-    larger = _empty_tree_like(tree, capacity)
-    copy_subtree(tree, 0, larger)
-    return larger
+    def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Room]:
+        """The tree, with room for so many descents more, and the working memory."""
+        model, settings = belief.model, self.settings
+        tree = self._tree
+        used = 1 if tree is None else int(tree.size[0])
+        capacity = FIRST_CAPACITY if tree is None else tree.nodes.size
+        if tree is None or used + descents > capacity:
+            capacity = max(capacity if tree is None else 2 * capacity, used + descents)
+            backup, exploration = BACKUPS[settings.backup], EXPLORATIONS[settings.exploration]
+            shape = len(model.actions), len(model.observations)
+            larger = new_tree(capacity, node_type(*shape, backup.with_chances, exploration.with_spread))
+            if tree is not None:
+                larger.nodes[:used], larger.size[0] = tree.nodes[:used], used
+            self._tree = tree = larger
+        width = belief.states.shape[1]
+        if self._room is None or self._room.nodes.size < capacity or self._room.state.size != width:
+            self._room = new_room(width, len(model.outcomes), capacity)
+            self._tables = tables(capacity + 1)
+        return tree, self._room

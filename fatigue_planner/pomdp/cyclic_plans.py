@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import inlined
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -104,7 +104,7 @@ def _undominated(values: PlanValues) -> PlanValues:
     return PlanValues(*(table[:, alive] for table in values))
 
 
-@compiled
+@inlined
 def best_plan_value(values: PlanValues, state: Vector) -> float:
     """The value of the best plan for a state, whose last number is the worker.
 

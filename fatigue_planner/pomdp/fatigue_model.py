@@ -12,18 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import inlined
 from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
 from fatigue_planner.pomdp.preference_choice import normalise_choice
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
+from fatigue_planner.pomdp.vectors import LANES, aligned, move, sum_of_squares_after
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
-
-# Entries are summed in this many independent sums, which the compiler turns into vector instructions;
-# one running sum would wait for itself at every entry.
-LANES = 4
 
 
 class FatigueArrays(NamedTuple):
@@ -44,47 +41,14 @@ class FatigueArrays(NamedTuple):
     cost_scale: float
 
 
-@compiled
+@inlined
 def first_row(arrays: FatigueArrays, state: Vector, action: int) -> int:
     """The row of the action's first preference."""
     worker = int(state[state.size - 1])
     return int((worker * arrays.n_actions + action) * arrays.observation.shape[0])
 
 
-@compiled
-def sum_of_squares_after(gain: Array, offset: Array, row: int, state: Vector) -> float:
-    """Sum of the squares of gain * state + offset."""
-    s0 = s1 = s2 = s3 = 0.0
-    for j in range(0, gain.shape[1], LANES):
-        f0 = gain[row, j] * state[j] + offset[row, j]
-        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
-        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
-        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
-        s0 += f0 * f0
-        s1 += f1 * f1
-        s2 += f2 * f2
-        s3 += f3 * f3
-    return (s0 + s1) + (s2 + s3)
-
-
-@compiled
-def move(gain: Array, offset: Array, row: int, state: Vector) -> float:
-    """state := gain * state + offset in place; the sum of the squares of the new state."""
-    s0 = s1 = s2 = s3 = 0.0
-    for j in range(0, gain.shape[1], LANES):
-        f0 = gain[row, j] * state[j] + offset[row, j]
-        f1 = gain[row, j + 1] * state[j + 1] + offset[row, j + 1]
-        f2 = gain[row, j + 2] * state[j + 2] + offset[row, j + 2]
-        f3 = gain[row, j + 3] * state[j + 3] + offset[row, j + 3]
-        state[j], state[j + 1], state[j + 2], state[j + 3] = f0, f1, f2, f3
-        s0 += f0 * f0
-        s1 += f1 * f1
-        s2 += f2 * f2
-        s3 += f3 * f3
-    return (s0 + s1) + (s2 + s3)
-
-
-@compiled
+@inlined
 def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector) -> None:
     """Eq. 4: P(u | f, a) for every preference; the cost of Eq. 5 is that after the coming cycle."""
     row = first_row(arrays, state, action)
@@ -93,24 +57,24 @@ def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, 
         if expertise == 0:
             probabilities[u] = 0.0
         else:
-            probabilities[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, row + u, state)
+            probabilities[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
     normalise_choice(probabilities, expertise)
 
 
-@compiled
+@inlined
 def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) -> float:
     """The cycle's effect on fatigue, and the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
     row = first_row(arrays, state, action) + preference
-    return -arrays.cost_scale * move(arrays.gain, arrays.offset, row, state)
+    return -arrays.cost_scale * move(arrays.gain, arrays.offset, state, row)
 
 
-@compiled
+@inlined
 def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference: int, observation: int) -> float:
     """P(o | u): how often preference u is recognised as o."""
     return float(arrays.observation[preference, observation])
 
 
-@compiled
+@inlined
 def react_by_chance(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
@@ -190,7 +154,7 @@ class FatiguePomdp(Pomdp):
 
     def _rows(self, table: Array) -> Array:
         rows = table[..., self.live].reshape(-1, self.live.size)
-        return np.pad(rows, [(0, 0), (0, -self.live.size % LANES)])
+        return aligned(np.pad(rows, [(0, 0), (0, -self.live.size % LANES)]))
 
 
 def build_pomdp(

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import inlined
 
 Vector = NDArray[np.float64]
 
 
-@compiled
+@inlined
 def normalise_choice(costs: Vector, expertise: float) -> None:
     """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u').
 

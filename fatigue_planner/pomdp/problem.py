@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled, specialised
+from fatigue_planner.compiled import inlined, specialised
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Dynamics:
             "advance": self.advance,
             "observation_probability": self.observation_probability,
         }
-        step = self.step or specialised(step_by_chance, **basic, N_OBSERVATIONS=n_observations)
+        step = self.step or specialised(step_by_chance, inlined, **basic, N_OBSERVATIONS=n_observations)
         return basic | {"step": step}
 
 
@@ -97,7 +97,7 @@ class Pomdp:
         return np.array([see(self.arrays, state, action, outcome, o) for o in range(len(self.observations))])
 
 
-@compiled
+@inlined
 def draw(probabilities: Vector, uniform: float) -> int:
     """The index whose share of [0, 1) holds `uniform`; never one of probability 0."""
     last = 0

@@ -2,55 +2,57 @@
 
 from typing import Any
 
-from fatigue_planner.compiled import compiled
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import inlined
 from fatigue_planner.planners.backups.max import best_value
-from fatigue_planner.planners.search.tree import UNVISITED, Tree, Vector
+from fatigue_planner.planners.search.descent import Node
+from fatigue_planner.planners.search.numbers import Numbers, Room
+from fatigue_planner.planners.search.tree import UNVISITED
 from fatigue_planner.pomdp.problem import advance, observation_probability, outcome_probabilities
 
+# Whether the observation always tells the outcome.
+TELLING = False
 
-def expect_outcomes(
-    arrays: Any, tree: Tree, node: int, action: int, state: Vector, moved: Vector, scratch: Vector, certain: bool
-) -> None:
-    """Template: fold expected reward and chances of the observations, from `state`, into their means at (h, a).
+
+def expect_outcomes(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> None:
+    """Template: fold expected reward and chances of the observations, from the state, into their means at (h, a).
 
     Where the belief is one state and the observation tells the outcome, the node's state is always the
     same, and so are these; else they are means over the states sampled.
     """
-    if certain and TELLING and tree.tried[node, action] > 0:
+    if certain and TELLING and node.tried[action] > 0:
         return
-    share = 1.0 / (tree.tried[node, action] + 1)
+    share = 1.0 / (node.tried[action] + 1.0)
+    for observation in range(node.chance.shape[1]):
+        node.chance[action, observation] *= 1.0 - share
     reward = 0.0
-    chance = tree.chance[node, action]
-    for observation in range(chance.size):
-        chance[observation] *= 1.0 - share
-    outcome_probabilities(arrays, state, action, scratch)
-    for outcome in range(scratch.size):
-        if scratch[outcome] > 0:
-            for j in range(state.size):
-                moved[j] = state[j]
-            reward += scratch[outcome] * advance(arrays, moved, action, outcome)
-            for observation in range(chance.size):
+    probabilities, moved = room.probabilities, room.moved
+    outcome_probabilities(arrays, room.state, action, probabilities)
+    for outcome in range(probabilities.size):
+        if probabilities[outcome] > 0:
+            for j in range(moved.size):
+                moved[j] = room.state[j]
+            reward += probabilities[outcome] * advance(arrays, moved, action, outcome)
+            for observation in range(node.chance.shape[1]):
                 seen = observation_probability(arrays, moved, action, outcome, observation)
-                chance[observation] += share * scratch[outcome] * seen
-    tree.mean_reward[node, action] += share * (reward - tree.mean_reward[node, action])
+                node.chance[action, observation] += share * probabilities[outcome] * seen
+    node.mean_reward[action] += share * (reward - node.mean_reward[action])
 
 
-# Whether the observation always tells the state reached.
-TELLING = False
-
-
-@compiled
-def back_up_exact(tree: Tree, node: int, action: int, _reward: float, _gained: float, discount: float) -> None:
+@inlined
+def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, numbers: Numbers) -> float:
     """Q(h, a) = expected reward + gamma * expected V of the successors known, by their chances.
 
-    V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value.
+    V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value. Nothing need be passed on.
     """
     future, known = 0.0, 0.0
-    for observation in range(tree.child.shape[2]):
-        successor = tree.child[node, action, observation]
+    for observation in range(node.child.shape[1]):
+        successor = node.child[action, observation]
         if successor != UNVISITED:
-            chance = tree.chance[node, action, observation]
-            future += chance * tree.best[successor]
+            chance = node.chance[action, observation]
+            future += chance * nodes[successor].best
             known += chance
-    tree.value[node, action] = tree.mean_reward[node, action] + discount * future / known
-    tree.best[node] = best_value(tree, node)
+    node.value[action] = node.mean_reward[action] + numbers.discount * future / known
+    node.best = best_value(node)
+    return 0.0

@@ -2,25 +2,20 @@
 
 from typing import Any
 
-from fatigue_planner.compiled import compiled
-from fatigue_planner.planners.search.tree import Tree, Vector
+from numpy.typing import NDArray
+
+from fatigue_planner.compiled import inlined
+from fatigue_planner.planners.search.descent import Node
+from fatigue_planner.planners.search.numbers import Numbers, Room
 
 
-@compiled
-def expect_nothing(
-    _arrays: Any,
-    _tree: Tree,
-    _node: int,
-    _action: int,
-    _state: Vector,
-    _moved: Vector,
-    _scratch: Vector,
-    _certain: bool,
-) -> None:
+@inlined
+def expect_nothing(_arrays: Any, _node: Node, _action: int, _room: Room, _certain: bool) -> None:
     """A backup by sampled rewards needs nothing beforehand."""
 
 
-@compiled
-def back_up_mean(tree: Tree, node: int, action: int, _reward: float, gained: float, _discount: float) -> None:
-    """Q(h, a) = mean of the discounted returns."""
-    tree.value[node, action] += (gained - tree.value[node, action]) / tree.tried[node, action]
+@inlined
+def back_up_mean(_nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+    """Q(h, a) = mean of the discounted returns, which are passed on as they are."""
+    node.value[action] += (target - node.value[action]) * numbers.inverse[node.tried[action]]
+    return target

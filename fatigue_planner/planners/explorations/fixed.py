@@ -2,32 +2,32 @@
 
 import numpy as np
 
-from fatigue_planner.compiled import compiled
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Tree
+from fatigue_planner.compiled import inlined
+from fatigue_planner.planners.search.descent import Node
+from fatigue_planner.planners.search.numbers import Numbers
 
 
-@compiled
-def ucb1(tree: Tree, node: int, times: int, scale: float, numbers: Numbers) -> int:
-    """The first action not tried yet, else argmax value + scale * sqrt(log N(h) / N(h, a))."""
+@inlined
+def ucb1(node: Node, scale: float, numbers: Numbers) -> int:
+    """The first action not tried yet, else the first with the best value + scale * sqrt(log N(h) / N(h, a)).
+
+    The tables make the score of an action not tried infinite; `scale` must not be 0 (see `numbers.TINY`).
+    """
+    width = scale * numbers.root_log[node.visited - 1]
     best, best_score = 0, -np.inf
-    bonus = scale * numbers.log_root[times]
-    for action in range(tree.tried.shape[1]):
-        tried = tree.tried[node, action]
-        if tried == 0:
-            return action
-        score = tree.value[node, action] + bonus * numbers.inverse_root[tried]
+    for action in range(node.value.size):
+        score = node.value[action] + width * numbers.inverse_root[node.tried[action]]
         if score > best_score:
             best, best_score = action, score
     return best
 
 
-@compiled
-def select_fixed(tree: Tree, node: int, times: int, numbers: Numbers) -> int:
+@inlined
+def select_fixed(node: Node, numbers: Numbers) -> int:
     """UCB1 with the constant as it is."""
-    return int(ucb1(tree, node, times, numbers.exploration_constant, numbers))
+    return ucb1(node, numbers.exploration_constant, numbers)
 
 
-@compiled
-def note_nothing(_tree: Tree, _node: int, _gained: float) -> None:
+@inlined
+def note_nothing(_node: Node, _gained: float) -> None:
     """A fixed constant needs nothing of the returns."""

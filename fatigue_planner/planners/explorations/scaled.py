@@ -2,23 +2,22 @@
 
 import numpy as np
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import inlined
 from fatigue_planner.planners.explorations.fixed import ucb1
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Tree
+from fatigue_planner.planners.search.descent import Node
+from fatigue_planner.planners.search.numbers import TINY, Numbers
 
 
-@compiled
-def select_scaled(tree: Tree, node: int, times: int, numbers: Numbers) -> int:
+@inlined
+def select_scaled(node: Node, numbers: Numbers) -> int:
     """UCB1 with c times the standard deviation of the returns of the descents through the node."""
-    deviation = np.sqrt(tree.spread[node] / max(times, 1))
-    return int(ucb1(tree, node, times, numbers.exploration_constant * deviation, numbers))
+    deviation = np.sqrt(node.spread * numbers.inverse[max(node.visited - 1, 1)])
+    return ucb1(node, max(numbers.exploration_constant * deviation, TINY), numbers)
 
 
-@compiled
-def note_spread(tree: Tree, node: int, gained: float) -> None:
-    """Welford's running mean and sum of squared deviations; `visited` - 1 returns have been seen."""
-    times = tree.visited[node] - 1
-    difference = gained - tree.average[node]
-    tree.average[node] += difference / times
-    tree.spread[node] += difference * (gained - tree.average[node])
+@inlined
+def note_spread(node: Node, gained: float) -> None:
+    """Welford's running mean and sum of squared deviations; visited - 1 returns have been seen."""
+    difference = gained - node.average
+    node.average += difference / (node.visited - 1)
+    node.spread += difference * (gained - node.average)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.planners.search.descent import Numbers
+from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.planners.search.tree import Vector
 
 
@@ -13,14 +13,6 @@ def bound(bound_arrays: Any, state: Vector) -> float:
     raise NotImplementedError
 
 
-def problem_bound(
-    _arrays: Any,
-    state: Vector,
-    _moved: Vector,
-    _scratch: Vector,
-    numbers: Numbers,
-    _actions: int,
-    _rng: np.random.Generator,
-) -> float:
+def problem_bound(_arrays: Any, room: Room, numbers: Numbers, _actions: int, _rng: np.random.Generator) -> float:
     """Template: the problem's bound of the state's value."""
-    return bound(numbers.bound_arrays, state)
+    return bound(numbers.bound_arrays, room.state)

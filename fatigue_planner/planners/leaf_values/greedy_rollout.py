@@ -4,38 +4,30 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Vector
+from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.pomdp.problem import advance, outcome_probabilities, step
 
 
-def greedy_rollout(
-    arrays: Any,
-    state: Vector,
-    moved: Vector,
-    scratch: Vector,
-    numbers: Numbers,
-    actions: int,
-    rng: np.random.Generator,
-) -> float:
-    """Template: the discounted return of some greedy cycles; `state` is used up.
+def greedy_rollout(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+    """Template: the discounted return of some greedy cycles; `room.state` is used up.
 
     The rollout knows the sampled state, which a policy would not.
     """
+    state, moved, probabilities = room.state, room.moved, room.probabilities
     gained, weight = 0.0, 1.0
     for _ in range(numbers.rollout_cycles):
         best, best_reward = 0, -np.inf
         for action in range(actions):
             expected = 0.0
-            outcome_probabilities(arrays, state, action, scratch)
-            for outcome in range(scratch.size):
-                if scratch[outcome] > 0:
+            outcome_probabilities(arrays, state, action, probabilities)
+            for outcome in range(probabilities.size):
+                if probabilities[outcome] > 0:
                     for j in range(state.size):
                         moved[j] = state[j]
-                    expected += scratch[outcome] * advance(arrays, moved, action, outcome)
+                    expected += probabilities[outcome] * advance(arrays, moved, action, outcome)
             if expected > best_reward:
                 best, best_reward = action, expected
-        _, reward = step(arrays, state, best, scratch, rng)
+        _, reward = step(arrays, state, best, probabilities, rng)
         gained += weight * reward
         weight *= numbers.discount
     return gained

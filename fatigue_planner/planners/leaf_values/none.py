@@ -4,20 +4,11 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.compiled import compiled
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Vector
+from fatigue_planner.compiled import inlined
+from fatigue_planner.planners.search.numbers import Numbers, Room
 
 
-@compiled
-def no_value(
-    _arrays: Any,
-    _state: Vector,
-    _moved: Vector,
-    _scratch: Vector,
-    _numbers: Numbers,
-    _actions: int,
-    _rng: np.random.Generator,
-) -> float:
+@inlined
+def no_value(_arrays: Any, _room: Room, _numbers: Numbers, _actions: int, _rng: np.random.Generator) -> float:
     """0."""
     return 0.0

@@ -4,25 +4,16 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Vector
+from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.pomdp.problem import step
 
 
-def random_rollout(
-    arrays: Any,
-    state: Vector,
-    _moved: Vector,
-    scratch: Vector,
-    numbers: Numbers,
-    actions: int,
-    rng: np.random.Generator,
-) -> float:
-    """Template: the discounted return of some cycles with random actions; `state` is used up."""
+def random_rollout(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+    """Template: the discounted return of some cycles with random actions; `room.state` is used up."""
     gained, weight = 0.0, 1.0
     for _ in range(numbers.rollout_cycles):
         action = int(rng.random() * actions)
-        _, reward = step(arrays, state, action, scratch, rng)
+        _, reward = step(arrays, room.state, action, room.probabilities, rng)
         gained += weight * reward
         weight *= numbers.discount
     return gained

@@ -5,58 +5,44 @@ Fig. 4) through the tree to the leaf it adds (paper, section III-D), takes the l
 backup carries what was found to the root.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.planners.search.tree import UNVISITED, Array, Tree, Vector
 from fatigue_planner.pomdp.problem import draw, step
 
-
-class Numbers(NamedTuple):
-    """The numbers a search goes by. log_root[n] = sqrt(log n) and inverse_root[n] = 1 / sqrt(n) are tables."""
-
-    exploration_constant: float
-    discount: float
-    rollout_cycles: int
-    outcomes: int
-    log_root: Vector
-    inverse_root: Vector
-    bound_arrays: Any
+Node = Any
 
 
-def tables(capacity: int) -> tuple[Vector, Vector]:
-    """sqrt(log n) and 1 / sqrt(n) for n = 0 ... capacity; the entries of n = 0 are never read."""
-    n = np.arange(1, capacity + 1)
-    return np.concatenate([[0.0], np.sqrt(np.log(n))]), np.concatenate([[0.0], 1 / np.sqrt(n)])
-
-
-def select_action(tree: Tree, node: int, times: int, numbers: Numbers) -> int:
+def select_action(node: Node, numbers: Numbers) -> int:
     """Stands for the exploration rule."""
     raise NotImplementedError
 
 
-def expect(
-    arrays: Any, tree: Tree, node: int, action: int, state: Vector, moved: Vector, scratch: Vector, certain: bool
-) -> None:
-    """Stands for what the backup wants to know before an action is taken."""
+def expect(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> None:
+    """Stands for what the backup wants to know before an action is taken in `room.state`."""
     raise NotImplementedError
 
 
-def leaf_value(
-    arrays: Any, state: Vector, moved: Vector, scratch: Vector, numbers: Numbers, actions: int, rng: np.random.Generator
-) -> float:
-    """Stands for the value of a new leaf."""
+def leaf_value(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+    """Stands for the value of a new leaf, whose state is `room.state`."""
     raise NotImplementedError
 
 
-def back_up(tree: Tree, node: int, action: int, reward: float, gained: float, discount: float) -> None:
-    """Stands for the backup of a chance node; `gained` is the descent's return from it on."""
+def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+    """Stands for the backup of a chance node and its decision node.
+
+    `target` is the reward plus gamma times what the successor's backup (or the leaf value) passed on;
+    `tried` and `visited` already count the descent. What it returns is passed on to the node above.
+    """
     raise NotImplementedError
 
 
-def note_return(tree: Tree, node: int, gained: float) -> None:
-    """Stands for what the exploration rule keeps of the returns from a node."""
+def note_return(node: Node, gained: float) -> None:
+    """Stands for what the exploration rule keeps of the descents' returns from a node."""
     raise NotImplementedError
 
 
@@ -65,6 +51,7 @@ def grow(
     states: Array,
     weights: Vector,
     tree: Tree,
+    room: Room,
     descents: int,
     numbers: Numbers,
     rng: np.random.Generator,
@@ -74,41 +61,40 @@ def grow(
     The tree must have room for as many nodes. Equal scores go to the first action, so a problem without
     chance has one tree, whatever the generator.
     """
-    scratch = np.empty(numbers.outcomes)
-    state, moved = np.empty(states.shape[1]), np.empty(states.shape[1])
-    longest = tree.used[0] + descents
-    nodes, taken = np.empty(longest, np.int32), np.empty(longest, np.int32)
-    rewards = np.empty(longest)
-    child, tried, visited = tree.child, tree.tried, tree.visited
+    nodes, state = tree.nodes, room.state
+    used = tree.size[0]
     certain = weights.size == 1
     deepest = 0
     for _ in range(descents):
         particle = 0 if certain else draw(weights, rng.random())
         for j in range(state.size):
             state[j] = states[particle, j]
-        node, depth = 0, 0
+        here = np.uint32(0)
+        depth = 0
         while True:
-            action = select_action(tree, node, visited[node] - 1, numbers)
-            expect(arrays, tree, node, action, state, moved, scratch, certain)
-            observation, reward = step(arrays, state, action, scratch, rng)
-            nodes[depth], taken[depth], rewards[depth] = node, action, reward
+            node = nodes[here]
+            action = select_action(node, numbers)
+            expect(arrays, node, action, room, certain)
+            node.visited += np.uint32(1)
+            observation, reward = step(arrays, state, action, room.probabilities, rng)
+            room.nodes[depth], room.actions[depth], room.rewards[depth] = here, action, reward
             depth += 1
-            visited[node] += 1
-            successor = child[node, action, observation]
-            if successor == UNVISITED:
+            here = node.child[action, observation]
+            if here == UNVISITED:
+                node.child[action, observation] = used
                 break
-            node = successor
-        leaf = tree.used[0]
-        child[node, action, observation] = leaf
-        visited[leaf] = 1
-        tree.used[0] = leaf + 1
-        gained = leaf_value(arrays, state, moved, scratch, numbers, tried.shape[1], rng)
-        tree.best[leaf] = gained
+        gained = leaf_value(arrays, room, numbers, node.value.size, rng)
+        nodes[used].visited = 1
+        nodes[used].best = gained
+        used += 1
         deepest = max(deepest, depth)
+        passed_on = gained
         for level in range(depth - 1, -1, -1):
-            node, action = nodes[level], taken[level]
-            gained = rewards[level] + numbers.discount * gained
-            tried[node, action] += 1
-            back_up(tree, node, action, rewards[level], gained, numbers.discount)
-            note_return(tree, node, gained)
+            node = nodes[room.nodes[level]]
+            action, reward = room.actions[level], room.rewards[level]
+            node.tried[action] += np.uint32(1)
+            passed_on = back_up(nodes, node, action, reward + numbers.discount * passed_on, numbers)
+            gained = reward + numbers.discount * gained
+            note_return(node, gained)
+    tree.size[0] = used
     return deepest

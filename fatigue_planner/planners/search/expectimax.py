@@ -9,19 +9,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.planners.search.descent import Numbers, leaf_value
+from fatigue_planner.planners.search.descent import leaf_value
+from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.planners.search.tree import Array
 from fatigue_planner.pomdp.problem import advance, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.vectors import aligned
 
 # Whether the observation always tells the outcome, and how many observations there are.
 TELLING = False
 N_OBSERVATIONS = 0
 
 
-class Room(NamedTuple):
+class Levels(NamedTuple):
     """Working memory: level d's belief lies in rows begin[d] ... begin[d + 1] - 1.
 
-    states (rows, L), weights (rows,), probabilities (rows, K); values (depth, A); state, moved (L,)
+    states (rows, L), weights (rows,), probabilities (rows, K); values (depth, A)
     """
 
     begin: NDArray[np.int64]
@@ -29,29 +31,25 @@ class Room(NamedTuple):
     weights: NDArray[np.float64]
     probabilities: Array
     values: Array
-    state: NDArray[np.float64]
-    moved: NDArray[np.float64]
-    scratch: NDArray[np.float64]
 
 
-def room_for(states: Array, depth: int, outcomes: int, actions: int, telling: bool) -> Room:
+def new_levels(states: Array, depth: int, outcomes: int, actions: int, telling: bool) -> Levels:
     """Memory for a lookahead from a belief of states (n, L): unless the observation tells, beliefs grow."""
     sizes = [len(states) * (1 if telling else outcomes**level) for level in range(depth + 1)]
     begin = np.concatenate([[0], np.cumsum(sizes)])
-    rows, width = int(begin[-1]), states.shape[1]
-    return Room(
+    rows = int(begin[-1])
+    return Levels(
         begin,
-        np.empty((rows, width)),
+        aligned(np.empty((rows, states.shape[1]))),
         np.empty(rows),
         np.empty((rows, outcomes)),
         np.empty((depth, actions)),
-        np.empty(width),
-        np.empty(width),
-        np.empty(outcomes),
     )
 
 
-def best_return(arrays: Any, room: Room, level: int, count: int, numbers: Numbers, rng: np.random.Generator) -> float:
+def best_return(  # noqa: PLR0912 - one enumeration
+    arrays: Any, levels: Levels, room: Room, level: int, count: int, numbers: Numbers, rng: np.random.Generator
+) -> float:
     """Template: the best expected return from the `count` weighted states of a level, by full enumeration.
 
         V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
@@ -59,35 +57,39 @@ def best_return(arrays: Any, room: Room, level: int, count: int, numbers: Number
     with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. Below the last level stands the
     leaf value of every state.
     """
-    depth, actions = room.values.shape
-    first, below = room.begin[level], room.begin[level + 1]
+    depth, actions = levels.values.shape
+    first, below = levels.begin[level], levels.begin[level + 1]
     for action in range(actions):
         for i in range(first, first + count):
-            outcome_probabilities(arrays, room.states[i], action, room.probabilities[i])
+            outcome_probabilities(arrays, levels.states[i], action, levels.probabilities[i])
         total = 0.0
-        for observation in range(numbers.outcomes if TELLING else N_OBSERVATIONS):
+        for observation in range(levels.probabilities.shape[1] if TELLING else N_OBSERVATIONS):
             reached = 0
             for i in range(first, first + count):
-                for outcome in range(numbers.outcomes):
-                    weight = room.weights[i] * room.probabilities[i, outcome]
+                for outcome in range(levels.probabilities.shape[1]):
+                    weight = levels.weights[i] * levels.probabilities[i, outcome]
                     if weight <= 0 or (TELLING and outcome != observation):
                         continue
                     place = below + reached
                     for j in range(room.state.size):
-                        room.states[place, j] = room.states[i, j]
-                    reward = advance(arrays, room.states[place], action, outcome)
+                        levels.states[place, j] = levels.states[i, j]
+                    reward = advance(arrays, levels.states[place], action, outcome)
                     if not TELLING:
-                        weight *= observation_probability(arrays, room.states[place], action, outcome, observation)
+                        weight *= observation_probability(arrays, levels.states[place], action, outcome, observation)
                     if weight > 0:
                         total += weight * reward
-                        room.weights[place] = weight
+                        levels.weights[place] = weight
                         reached += 1
             if reached > 0 and level + 1 < depth:
-                total += numbers.discount * best_return(arrays, room, level + 1, reached, numbers, rng)
+                total += numbers.discount * best_return(arrays, levels, room, level + 1, reached, numbers, rng)
             else:
                 for place in range(below, below + reached):
-                    room.state[:] = room.states[place]
-                    value = leaf_value(arrays, room.state, room.moved, room.scratch, numbers, actions, rng)
-                    total += numbers.discount * room.weights[place] * value
-        room.values[level, action] = total
-    return float(room.values[level].max())
+                    for j in range(room.state.size):
+                        room.state[j] = levels.states[place, j]
+                    value = leaf_value(arrays, room, numbers, actions, rng)
+                    total += numbers.discount * levels.weights[place] * value
+        levels.values[level, action] = total
+    best = levels.values[level, 0]
+    for action in range(1, actions):
+        best = max(best, levels.values[level, action])
+    return float(best)

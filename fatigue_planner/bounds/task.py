@@ -1,0 +1,59 @@
+"""The planning problem from one known state, as plain arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One known initial state and what every reaction does to it.
+
+    gain, offset (A, U, L); start (L,); cost_weight (L,): C(f) = sum of cost_weight * f^2; expertise:
+    beta of Eq. 4, 0 to infinity, with the costs C.
+    """
+
+    gain: Array
+    offset: Array
+    start: Vector
+    cost_weight: Vector
+    expertise: float
+    discount: float
+
+    @property
+    def branches(self) -> int:
+        """Number of reactions, A * U."""
+        return int(self.gain.shape[0] * self.gain.shape[1])
+
+    def reactions(self) -> tuple[Array, Array]:
+        """Gain and offset (A * U, L) of the reactions; row a * U + u."""
+        return self.gain.reshape(self.branches, -1), self.offset.reshape(self.branches, -1)
+
+    def choice(self, costs: Array) -> Array:
+        """Eq. 4 over the last axis of costs (..., U): P(u) = exp(-beta c_u) / sum of exp(-beta c_u')."""
+        excess = costs - costs.min(axis=-1, keepdims=True)
+        share = np.exp(-np.multiply(self.expertise, excess, where=excess > 0, out=np.zeros_like(excess)))
+        return np.asarray(share / share.sum(axis=-1, keepdims=True))
+
+
+def known_state(gain: Array, offset: Array, expertise: float, state: Vector, discount: float, entries: int) -> Task:
+    """The task of a policy that knows the initial state (L,)."""
+    return Task(gain, offset, state, np.full(state.size, 1 / entries), expertise, discount)
+
+
+def hidden_state(gain: Array, offset: Array, states: Array, weights: Vector, discount: float, entries: int) -> Task:
+    """The task of a policy for a novice that does not know which of the states (n, L) is the true one.
+
+    The same reactions move all of them, so they are one state of n L entries, each with the cost of its
+    probability (n,). Entries that start alike stay alike and are one.
+    """
+    n, length = states.shape
+    pairs = np.stack([np.tile(np.arange(length), n), states.ravel()])
+    distinct, group = np.unique(pairs, axis=1, return_inverse=True)
+    entry = distinct[0].astype(np.intp)
+    cost_weight = np.bincount(group.ravel(), weights=np.repeat(weights, length)) / entries
+    return Task(gain[:, :, entry], offset[:, :, entry], distinct[1], cost_weight, 0.0, discount)

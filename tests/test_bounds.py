@@ -1,0 +1,295 @@
+"""The lower bound on the cost: below the optimum by enumeration, close to it, never beaten, and never wrong."""
+
+import math
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+
+from fatigue_planner.benchmark.trial import draw_world, run_trial
+from fatigue_planner.bounds import sub_solution
+from fatigue_planner.bounds.cost_bound import ROUNDING, CostBound, cost_lower_bound
+from fatigue_planner.bounds.history_classes import HistoryClasses
+from fatigue_planner.bounds.lookahead import look_ahead
+from fatigue_planner.bounds.quadratics import Quadratics
+from fatigue_planner.bounds.reaction_range import reaction_extremes
+from fatigue_planner.bounds.task import hidden_state, known_state
+from fatigue_planner.experiment.resolve import cycle_maps, problem
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.pomdp.preference_choice import preference_probabilities
+from fatigue_planner.reactions.reaction import Reaction
+
+EXPERTISE = [0.0, 2.0, 30.0, math.inf]
+SMALL = {"classes": 16, "leaves": 1}  # no more is enumerated than must be
+
+
+def small_model(
+    expertise: float, actions: int = 2, preferences: int = 2, entries: int = 4, seed: int = 5
+) -> FatiguePomdp:
+    """Actions that tire different entries, as in the paper; made up."""
+    rng = np.random.default_rng(seed)
+    shape = (actions, preferences, 4)
+    tired = rng.random(shape) < 0.6
+    gain = np.where(tired, rng.uniform(0.6, 0.9, shape), 0.5)
+    offset = np.where(tired, rng.uniform(0.2, 0.9, shape) * (1 - gain), 0)
+    names = tuple("abc")
+    return FatiguePomdp(
+        names[:actions], names[:preferences], gain, offset, np.eye(preferences), expertise, 0.9, 8,
+        np.arange(4),
+    )  # fmt: skip
+
+
+SINGLE = Belief(np.array([[0.0, 0.3, 0.0, 0.1]]), np.array([1.0]))
+SEVERAL = Belief(
+    np.array([[0.0, 0.0, 0.0, 0.1], [0.8, 0.0, 0.0, 0.1], [0.0, 0.6, 0.9, 0.1]]), np.array([0.2, 0.3, 0.5])
+)
+BELIEFS = {"single": SINGLE, "several": SEVERAL}
+
+
+def bound(model: FatiguePomdp, belief: Belief, n_cycles: int, **effort: int) -> CostBound:
+    return cost_lower_bound(
+        model.gain, model.offset, model.expertise, belief.states, belief.weights, model.discount, model.entries,
+        n_cycles, **effort,
+    )  # fmt: skip
+
+
+def optimum(model: FatiguePomdp, belief: Belief, n_cycles: int) -> float:
+    """The least expected cost, over every history of actions and observed reactions."""
+    if n_cycles == 0:
+        return 0.0
+    costs = []
+    for action in range(len(model.actions)):
+        choice = np.array([model.choice(state, action) for state in belief.states])
+        later = [
+            belief.weights @ choice[:, seen] * optimum(model, belief.update(model, action, seen), n_cycles - 1)
+            for seen in range(len(model.preferences))
+            if belief.weights @ choice[:, seen] > 0
+        ]
+        costs.append(belief.expected_cost(model, action) + model.discount * sum(later))
+    return float(min(costs))
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+@pytest.mark.parametrize("start", BELIEFS)
+def test_it_is_below_the_optimum_and_close(expertise: float, start: str) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    best = optimum(model, belief, 6)
+    found = bound(model, belief, 6, **SMALL)
+    assert not found.exact and found.exact_cycles == found.memory == 2
+    assert found.state_revealed == (start == "several" and expertise > 0)
+    share = 0.98 if expertise == 0 else 0.8 if found.state_revealed else 0.9
+    assert share * best < found.cost <= best
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("expertise", [0.0, 5.0, math.inf])
+def test_it_is_below_the_optimum_of_any_three_by_three(seed: int, expertise: float) -> None:
+    model = small_model(expertise, actions=3, preferences=3, seed=seed)
+    best = optimum(model, SINGLE, 4)
+    costs = [bound(model, SINGLE, 4, classes=classes, leaves=1).cost for classes in (9, 81)]
+    assert 0 < costs[0] <= costs[1] <= best
+    assert costs[1] > 0.9 * best or expertise > 0
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+@pytest.mark.parametrize("start", BELIEFS)
+def test_it_is_the_optimum_where_every_history_fits(expertise: float, start: str) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    found = bound(model, belief, 5)
+    assert found.exact and not found.state_revealed and found.exact_cycles == 5
+    assert found.cost == pytest.approx(optimum(model, belief, 5), rel=2 * ROUNDING)
+
+
+def test_a_novice_never_reveals_a_hidden_state() -> None:
+    """The bound stays above what policies that know the state can reach."""
+    model = small_model(0)
+    found = bound(model, SEVERAL, 6, **SMALL)
+    assert not found.state_revealed and not found.exact
+    known = [optimum(model, Belief(state[None], np.ones(1)), 6) for state in SEVERAL.states]
+    assert SEVERAL.weights @ known < 0.95 * found.cost
+
+
+@pytest.mark.parametrize("start", BELIEFS)
+def test_with_one_action_the_novices_cost_is_exact(start: str) -> None:
+    model = small_model(0, actions=1)
+    found = bound(model, BELIEFS[start], 10, classes=4, leaves=1)
+    assert found.exact_cycles == 2
+    assert found.cost == pytest.approx(optimum(model, BELIEFS[start], 10), rel=1e-6)
+
+
+def test_one_reaction_only() -> None:
+    found = bound(small_model(0, actions=1, preferences=1), SINGLE, 30)
+    assert found.exact and found.exact_cycles == 30
+
+
+@pytest.mark.parametrize("expertise", [0.0, 10.0, math.inf])
+def test_more_cycles_cost_more_and_more_effort_tightens(expertise: float) -> None:
+    model = small_model(expertise)
+    costs = [bound(model, SINGLE, n, **SMALL).cost for n in range(1, 15)]
+    assert (np.diff(costs) > 0).all()
+    assert costs[11] <= bound(model, SINGLE, 12, classes=64, leaves=1000).cost
+
+
+def test_a_worker_who_is_never_tired_costs_nothing() -> None:
+    model = small_model(0)
+    maps = np.zeros_like(model.offset)
+    found = cost_lower_bound(model.gain, maps, 0, np.zeros((1, 4)), np.ones(1), 0.9, 8, 20)
+    assert found.cost == 0
+
+
+def test_negative_gains_are_refused() -> None:
+    model = small_model(0)
+    with pytest.raises(ValueError, match="gains"):
+        cost_lower_bound(-model.gain, model.offset, 0, SINGLE.states, SINGLE.weights, 0.9, 8, 5)
+
+
+@pytest.mark.parametrize("damage", [1e-6, 1e-3, 0.1, 10.0])
+@pytest.mark.parametrize("expertise", [0.0, 10.0, math.inf])
+def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
+    damage: float, expertise: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = small_model(expertise)
+    best, whole = optimum(model, SINGLE, 6), bound(model, SINGLE, 6, **SMALL).cost
+    shape = sub_solution.bent_mean
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+
+        def damaged(functions: Quadratics, share: np.ndarray, spread: np.ndarray) -> Quadratics:
+            sound = shape(functions, share, spread)
+            noise = damage * rng.normal(size=(3, *sound.slope.shape))  # noqa: B023
+            return Quadratics(sound.value + noise[2, :, 0], sound.slope + noise[0], sound.curvature + noise[1])
+
+        monkeypatch.setattr(sub_solution, "bent_mean", damaged)
+        found = bound(model, SINGLE, 6, **SMALL).cost
+        assert found <= best
+        if damage == 10:
+            assert found < whole
+
+
+def test_the_boxes_hold_every_state_of_their_class() -> None:
+    model = small_model(0)
+    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    tree = look_ahead([task], np.ones(1), 6, 2, 10_000)
+    assert len(tree.states[:, 0]) == 4**6
+    states = HistoryClasses(task, 2, 6).states(6)
+    displacement = tree.states[:, 0] - states.typical[tree.classes]
+    assert (displacement >= states.low[tree.classes] - 1e-15).all()
+    assert (displacement <= states.high[tree.classes] + 1e-15).all()
+    for m in range(16):
+        own = tree.states[:, 0][tree.classes == m]
+        np.testing.assert_allclose(own.mean(axis=0), states.typical[m], rtol=1e-12)
+        np.testing.assert_allclose(own.std(axis=0), states.spread[m], atol=1e-8)
+
+
+def test_a_hidden_state_merges_the_entries_that_start_alike() -> None:
+    model = small_model(0)
+    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    assert sorted(task.start) == [0, 0, 0, 0.1, 0.6, 0.8, 0.9]
+    costs = [weight * model.cost(state) for weight, state in zip(SEVERAL.weights, SEVERAL.states, strict=True)]
+    assert np.square(task.start) @ task.cost_weight == pytest.approx(sum(costs))
+
+
+@pytest.mark.parametrize("preferences", [2, 3])
+@pytest.mark.parametrize("expertise", [1e-3, 1.0, 100.0, 1e300, math.inf])
+def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, preferences: int) -> None:
+    """No linear function of the probabilities is lower at a state of the box than at every extreme."""
+    rng = np.random.default_rng(0)
+    model = small_model(expertise, preferences=preferences)
+    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    states = HistoryClasses(task, 1, 5).states(3)
+    extremes = reaction_extremes(task, states)
+    np.testing.assert_allclose(extremes.sum(axis=-1), 1, rtol=1e-12)
+    assert (extremes >= 0).all()
+    value = rng.normal(size=(20, preferences))
+    for m, _ in product(range(task.branches), range(50)):
+        state = states.typical[m] + rng.uniform(states.low[m], states.high[m])
+        for action in range(2):
+            chosen = value @ model.choice(state, action)
+            assert (chosen >= (extremes[m, action] @ value.T).min(axis=0) - 1e-12).all()
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+def test_the_choice_is_that_of_the_model(expertise: float) -> None:
+    model = small_model(0)
+    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    costs = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.1], [0.0, 0.0, 0.0]])
+    expected = [preference_probabilities(row, expertise) for row in costs]
+    np.testing.assert_allclose(task.choice(costs), expected, rtol=1e-14)
+
+
+def test_the_minimum_over_a_box() -> None:
+    rng = np.random.default_rng(0)
+    functions = Quadratics(rng.normal(size=50), rng.normal(size=(50, 3)), rng.normal(size=(50, 3)))
+    functions.curvature[:5] = 0
+    low, high = -rng.random((50, 3)), rng.random((50, 3))
+    low[5], high[5] = 0, 0
+    least = functions.minimum(low, high)
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 41)] * 3), axis=-1).reshape(-1, 1, 3)
+    sampled = functions.at(low + grid * (high - low)).min(axis=0)
+    assert (least <= sampled + 1e-12).all()
+    np.testing.assert_allclose(least, sampled, atol=5e-3)
+
+
+# One chance in a million that any of the comparisons with chance of this file fails although all is well.
+FALSE_ALARM = 1e-6
+
+
+def allowance(cost: np.ndarray, comparisons: int) -> float:
+    """By how much a mean may be off by chance, at that false-alarm rate over all comparisons."""
+    return float(student.isf(FALSE_ALARM / comparisons, len(cost) - 1) * cost.std(ddof=1) / math.sqrt(len(cost)))
+
+
+def assert_no_policy_beats(found: CostBound, costs: dict[str, np.ndarray], comparisons: int) -> None:
+    """Mean costs above the bound, by Student's t where chance plays a part, exactly where it does not."""
+    for name, cost in costs.items():
+        assert cost.mean() + allowance(cost, comparisons) >= found.cost, name
+        if np.ptp(cost) == 0:
+            assert cost[0] >= found.cost, name
+
+
+def policy_costs(
+    paper: Experiment, model: FatiguePomdp, belief: Belief, condition: str, n_cycles: int, trials: int, descents: int
+) -> dict[str, np.ndarray]:
+    """Cost of every policy of the paper in the same trials."""
+    costs = {}
+    policies = {
+        name: settings.model_copy(update={"descents": descents}) if settings.kind == "pomcp" else settings
+        for name, settings in paper.benchmark.policies.items()
+    }
+    for name, settings in policies.items():
+        costs[name] = np.array([
+            -run_trial(
+                model, belief, build_policy(model, settings), n_cycles, draw_world(7, condition, n_cycles, trial),
+                np.random.default_rng(trial),
+            ).discounted_return
+            for trial in range(trials)
+        ])  # fmt: skip
+    return costs
+
+
+@pytest.mark.parametrize("expertise", [0.0, 30.0, math.inf])
+@pytest.mark.parametrize("start", BELIEFS)
+def test_no_policy_beats_it(expertise: float, start: str, paper: Experiment) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    costs = policy_costs(paper, model, belief, start, 12, trials=40, descents=50)
+    found = bound(model, belief, 12, classes=64, leaves=1000)
+    assert_no_policy_beats(found, costs, comparisons=6 * len(costs))
+    assert min(cost.mean() for cost in costs.values()) < 1.15 * found.cost
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n_cycles", [5, 20, 100])
+@pytest.mark.parametrize("condition", ["single_novice", "single_expert", "multiple_novice"])
+def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_percent(
+    condition: str, n_cycles: int, paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
+    model, belief = problem(paper, cycle_maps(paper, reactions), paper.benchmark.conditions[condition])
+    costs = policy_costs(paper, model, belief, condition, n_cycles, trials=40, descents=1000)
+    found = bound(model, belief, n_cycles, classes=1024)
+    assert_no_policy_beats(found, costs, comparisons=9 * len(costs))
+    best = min(costs.values(), key=np.mean)
+    assert best.mean() - allowance(best, 9) < 1.01 * found.cost
