@@ -6,8 +6,10 @@ anywhere starts a fresh one. A kernel that calls functions from outside the pack
 is kept in a folder that carries the digest of their code, too.
 """
 
+import copyreg
 import hashlib
 import os
+import sys
 import tempfile
 from collections.abc import Callable, Hashable
 from functools import cache
@@ -18,6 +20,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
+from numba.core.registry import CPUDispatcher
 
 from fatigue_planner.errors import OutputFolderError
 from fatigue_planner.files import DIGEST_LENGTH, PACKAGE, digest_of, digest_of_files, writable_folder
@@ -63,6 +66,19 @@ def inlined(function: F) -> F:
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 Compiler = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+
+def _by_name(dispatcher: Any) -> Any:
+    """How a compiled function goes to another process: by name, so that it is found compiled there.
+
+    Numba would send its code, to be compiled again. What is no module's own (see `specialised`) is sent so.
+    """
+    name = dispatcher.__qualname__
+    own = getattr(sys.modules.get(dispatcher.__module__), name, None) is dispatcher
+    return name if own else dispatcher.__reduce__()
+
+
+copyreg.pickle(CPUDispatcher, _by_name)
 
 
 def specialised(template: Callable[..., Any], compiler: Compiler = compiled, **parts: Any) -> Callable[..., Any]:
