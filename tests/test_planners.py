@@ -1,12 +1,13 @@
 """The policies: baselines, what a decision tells, the kept tree, the time budget, and the registry."""
 
+import math
 import time
 
 import numpy as np
 import pytest
 from scipy import stats
-from small_problems import EXPERTISES, cut, expectimax, pomcp, relaxed, small_model, tree_of, two_starts
-from tree_checks import assert_counts, assert_maxuct_everywhere, children
+from small_problems import EXPERTISES, expectimax, pomcp, relaxed, small_model, tree_of, two_starts
+from tree_checks import assert_counts, children
 
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
@@ -77,3 +78,81 @@ def test_decisions_tell_what_they_rest_on() -> None:
 def depth_of(tree, node: int = 0) -> int:
     below = [depth_of(tree, child) for action in range(tree.tried.shape[1]) for child in children(tree, node, action)]
     return 1 + max(below) if below else 0
+
+
+def assert_same_subtree(tree, root: int, kept) -> None:
+    """Node by node the same from two roots: counts, values and all that parts keep."""
+    pairs, seen = [(root, 0)], 0
+    while pairs:
+        old, new = pairs.pop()
+        seen += 1
+        for name, array in tree._asdict().items():
+            if name not in ("child", "used") and array.shape[0] > 0:
+                np.testing.assert_array_equal(getattr(kept, name)[new], array[old], err_msg=name)
+        np.testing.assert_array_equal(tree.child[old] == UNVISITED, kept.child[new] == UNVISITED)
+        pairs += zip(*(one[one != UNVISITED].tolist() for one in (tree.child[old], kept.child[new])), strict=True)
+    assert seen == kept.used[0] == tree.visited[root]
+
+
+@pytest.mark.parametrize("backup", ["max", "exact"])
+def test_the_kept_tree_is_the_subtree_and_the_search_goes_on_from_it(backup: str) -> None:
+    settings = pomcp(400, 0.02, backup, reuse_tree=True, exploration="scaled" if backup == "max" else "fixed")
+    policy, rng = PomcpPolicy(settings), np.random.default_rng(3)
+    belief = two_starts(small_model(0.0))
+    kept = 0
+    for observation in (0, 1, 1):
+        tree = policy.tree(belief, rng, 0.0)
+        assert_counts(tree, 400 + kept)
+        action = int(tree.visited[tree.child[0, :, observation]].argmax())
+        child = int(tree.child[0, action, observation])
+        policy.observe(action, observation)
+        assert_same_subtree(tree, child, policy._kept)
+        kept = int(tree.visited[child]) - 1
+        assert kept > 50
+        belief = belief.update(action, observation, rng)
+    assert policy.act(belief, rng).visits.sum() == 400 + kept
+
+
+def test_where_nothing_can_be_kept_the_search_begins_anew() -> None:
+    """Something never seen in the search; and a policy that is not to keep its tree."""
+    belief, rng = relaxed(small_model(math.inf)), np.random.default_rng(3)
+    unseen = 1 - int(belief.model.probabilities(belief.states[0], 0).argmax())
+    for settings, observation in ((pomcp(50, reuse_tree=True), unseen), (pomcp(50), 1 - unseen)):
+        policy = PomcpPolicy(settings)
+        policy.act(belief, rng)
+        policy.observe(0, observation)
+        following = belief.update(0, observation, rng)
+        assert policy.act(following, rng).visits.sum() == 50
+
+
+def test_a_decision_rests_on_its_own_belief_even_if_the_policy_was_not_told_what_happened() -> None:
+    """Without `observe` there is no tree to go on from: that of another belief would be wrong."""
+    model, rng = small_model(math.inf), np.random.default_rng(3)
+    for reuse in (False, True):
+        policy = PomcpPolicy(pomcp(50, reuse_tree=reuse))
+        policy.act(relaxed(model), rng)
+        again, fresh = (
+            one.act(two_starts(model), np.random.default_rng(5)) for one in (policy, PomcpPolicy(pomcp(50)))
+        )
+        assert again.visits.sum() == 50 and again.values.tolist() == fresh.values.tolist()
+
+
+def test_a_time_budget_is_kept_and_used() -> None:
+    """The quickest of some decisions ends in time (a busy machine may delay others), after a real search."""
+    belief, rng = two_starts(small_model(0.0)), np.random.default_rng(3)
+    policy = PomcpPolicy(PomcpSettings(kind="pomcp", backup="max", exploration_constant=0.02, seconds=0.05))
+    PomcpPolicy(pomcp(1, backup="max")).act(belief, rng)  # loads what is compiled
+    decisions = [policy.act(belief, rng) for _ in range(5)]
+    assert min(decision.duration_s for decision in decisions) < 0.06
+    assert max(decision.duration_s for decision in decisions) > 0.02
+    for decision in decisions:
+        assert decision.visits.sum() > 2 and decision.visits.min() > 0 and decision.depth > 1
+    tree = policy.tree(belief, rng, time.perf_counter())
+    assert_counts(tree, int(tree.visited[0]) - 1)
+
+
+@pytest.mark.parametrize("seconds", [1e-12, 1e-4])
+def test_a_budget_too_short_for_anything_still_tries_every_action(seconds: float) -> None:
+    settings = PomcpSettings(kind="pomcp", backup="max", exploration_constant=0.02, seconds=seconds)
+    decision = PomcpPolicy(settings).act(two_starts(small_model(0.0)), np.random.default_rng(3))
+    assert decision.visits.min() > 0 and np.isfinite(decision.values).all() and decision.depth >= 1

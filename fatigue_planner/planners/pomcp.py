@@ -22,7 +22,8 @@ class PomcpPolicy(Policy):
     def __init__(self, settings: PomcpSettings) -> None:
         self.settings = settings
         self.draws_at_random = settings.seconds is not None  # how far it comes in a time differs from run to run
-        self._tree: Tree | None = None
+        self._searched: Tree | None = None
+        self._kept: Tree | None = None
         self._depth = 0
         self._tables = tables(0)
 
@@ -40,20 +41,18 @@ class PomcpPolicy(Policy):
 
     def observe(self, action: int, observation: int) -> None:
         """With reuse, what follows of the tree becomes the next one."""
-        tree = self._tree
-        self._tree = None
+        tree, self._searched, self._kept = self._searched, None, None
         if self.settings.reuse_tree and tree is not None:
             node = int(tree.child[0, action, observation])
             if node != UNVISITED:
-                kept = _empty_tree_like(tree, int(tree.visited[node]))
-                copy_subtree(tree, node, kept)
-                self._tree = kept
+                self._kept = _empty_tree_like(tree, int(tree.visited[node]))
+                copy_subtree(tree, node, self._kept)
 
     def tree(self, belief: Belief, rng: np.random.Generator, begin: float) -> Tree:
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
         settings, model = self.settings, belief.model
         kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
-        tree = self._tree
+        tree, self._kept = self._kept, None
         used = 0 if tree is None else int(tree.used[0])
         capacity = used + (settings.descents or FIRST_CAPACITY) + 1
         if tree is None:
@@ -68,7 +67,7 @@ class PomcpPolicy(Policy):
         else:
             assert settings.seconds is not None
             tree = self._grow_until(kernel, belief, tree, begin + settings.seconds, rng)
-        self._tree = tree
+        self._searched = tree
         return tree
 
     def _grow(self, kernel: object, belief: Belief, tree: Tree, descents: int, rng: np.random.Generator) -> None:
