@@ -23,6 +23,7 @@ from tree_checks import (
     assert_exact_everywhere,
     assert_maxuct_everywhere,
     assert_means_everywhere,
+    assert_observations_as_likely,
     children,
 )
 
@@ -113,17 +114,8 @@ def test_one_step_values_are_unbiased() -> None:
 
 @pytest.mark.parametrize("backup", BACKUPS)
 def test_observations_come_as_often_as_the_belief_says(backup: str) -> None:
-    """The root's successors, counted, against P(o | b, a): binomial test, false alarm 1e-6 per action."""
     belief = two_workers(NOISY)
-    tree = tree_of(belief, pomcp(4000, 10.0, backup))
-    model = belief.model
-    for action in range(2):
-        chance = sum(
-            weight * model.probabilities(state, action) @ model.arrays.observation
-            for state, weight in zip(belief.states, belief.weights, strict=True)
-        )
-        seen = [int(tree.visited[child]) for child in children(tree, 0, action)]
-        assert stats.binomtest(seen[0], sum(seen), chance[0]).pvalue > 1e-6
+    assert_observations_as_likely(tree_of(belief, pomcp(4000, 10.0, backup)), belief)
 
 
 def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy import stats
 from small_problems import nodes_with_tried
 
 from fatigue_planner.planners.search.tree import UNVISITED, Tree
@@ -75,6 +76,21 @@ def assert_means_everywhere(tree: Tree, start: Belief) -> None:
                     total += int(tree.visited[child]) * reward + model.discount * behind
                     stack.append((int(child), after))
             assert tree.value[node, action] * tree.tried[node, action] == pytest.approx(total, rel=1e-9)
+
+
+def assert_observations_as_likely(tree: Tree, belief: Belief) -> None:
+    """Visits of the root's successors against P(o | b, a): chi-square test, false alarm 1e-6 per action."""
+    model = belief.model
+    for action in range(len(model.actions)):
+        chances = np.zeros(len(model.observations))
+        for state, weight in zip(belief.states, belief.weights, strict=True):
+            for outcome, probability in enumerate(model.probabilities(state, action)):
+                after, _ = model.after(state, action, outcome)
+                chances += weight * probability * model.observation_probabilities(after, action, outcome)
+        seen = np.array([0 if child == UNVISITED else tree.visited[child] for child in tree.child[0, action]])
+        assert not seen[chances == 0].any()
+        likely = chances > 0
+        assert stats.chisquare(seen[likely], chances[likely] / chances.sum() * seen.sum()).pvalue > 1e-6
 
 
 def histories(model: Pomdp, length: int) -> Iterator[tuple[int, ...]]:
