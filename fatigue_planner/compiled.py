@@ -44,6 +44,11 @@ def compiled(function: F) -> F:
     return _compiled(function, keep=Path(function.__code__.co_filename).is_relative_to(PACKAGE))
 
 
+def compiled_for_any_problem(function: F) -> F:
+    """The same for a function that gets a problem's `arrays`, whose type no other program may know: never kept."""
+    return _compiled(function, keep=False)
+
+
 def _compiled(function: F, keep: bool) -> F:
     decorated: F = numba.njit(cache=keep, nogil=True, error_model="numpy")(function)
     return decorated
@@ -90,7 +95,8 @@ def _meaning(value: object, inside: tuple[object, ...] = (), names: Sequence[str
         way = (*inside, function)
         used = {name: _meaning(known[name], way, names) for name in names if name in known}
         cells = [_meaning(cell.cell_contents, way, names) for cell in function.__closure__ or ()]
-        return [_plain(function.__code__), used, cells, repr(function.__defaults__)]
+        origin = [function.__module__, _source(Path(function.__code__.co_filename))]
+        return [origin, _plain(function.__code__), used, cells, repr(function.__defaults__)]
     if isinstance(value, np.ndarray):
         return [value.dtype.str, value.shape, value.tobytes()]
     if isinstance(value, tuple):
@@ -102,6 +108,13 @@ def _meaning(value: object, inside: tuple[object, ...] = (), names: Sequence[str
         way = (*inside, value)
         return [value.__name__, {name: _meaning(getattr(value, name), way, names) for name in looked_up}]
     return repr(value)
+
+
+@cache
+def _source(file: Path) -> str:
+    """Digest of a file outside the package: its functions are given types that are defined there, too."""
+    foreign = file.is_file() and not file.is_relative_to(PACKAGE)
+    return hashlib.sha256(file.read_bytes()).hexdigest() if foreign else ""
 
 
 def _names(code: CodeType) -> list[str]:

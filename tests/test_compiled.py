@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tiger
 from small_problems import (
     EXPERTISES,
     NOISY,
@@ -25,6 +26,8 @@ from small_problems import (
     two_workers,
 )
 
+from fatigue_planner.planners.backups.mean import expect_nothing
+from fatigue_planner.planners.leaf_values.none import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.problem import draw
 
@@ -46,10 +49,13 @@ def python(script: str, *arguments: str | Path, path: Path = HERE, **environment
 
 
 MINE = """
+from typing import NamedTuple
+
 import constants
 import helper
 import numpy as np
 from fatigue_planner.compiled import compiled, specialised
+from fatigue_planner.planners.leaf_values.bound import problem_bound
 from helper import helped
 
 NUMBER = 1.0
@@ -57,58 +63,49 @@ PAIR = (0.0, 1.0)
 TABLE = np.array([1.0, 0.0])
 
 
-def part(x):
-    raise NotImplementedError
-
-
-def template(x):
-    return part(x)
-
-
 @compiled
-def own_constant(x):
+def own_constant(_, x):
     return x + 1.0
 
 
 @compiled
-def global_number(x):
+def global_number(_, x):
     return x + NUMBER
 
 
 @compiled
-def global_pair(x):
+def global_pair(_, x):
     return x + PAIR[1]
 
 
 @compiled
-def global_array(x):
+def global_array(_, x):
     return x + TABLE[0]
 
 
 @compiled
-def function_of_another_module(x):
-    return helped(x)
+def function_of_another_module(_, x):
+    return helped(0, x)
 
 
 def adding(value):
     @compiled
-    def closure(x):
+    def closure(_, x):
         return x + value
 
     return closure
 
 
 @compiled
-def number_of_another_module(x):
+def number_of_another_module(_, x):
     return x + constants.VALUE
 
 
 @compiled
-def function_found_in_a_module(x):
-    return helper.more(x)
+def function_found_in_a_module(_, x):
+    return helper.more(0, x)
 
 
-closure = adding(1.0)
 closure = adding(1.0)
 PARTS = (
     own_constant, global_number, global_pair, global_array, closure,
@@ -116,8 +113,20 @@ PARTS = (
 )
 
 
+class Fields(NamedTuple):
+    first: float
+    second: float
+
+
+@compiled
+def first_field(fields, _):
+    return fields.first
+
+
 def results():
-    return [(specialised(template, part=part)(0.0), part(0.0)) for part in PARTS]
+    fields = Fields(first=7.0, second=8.0)
+    kernels = [specialised(problem_bound, bound=part) for part in (first_field, *PARTS)]
+    return [kernel(fields, 0.0, 0, 0, 0, 0, 0) for kernel in kernels] + [part(fields, 0.0) for part in PARTS]
 """
 HELPER = """
 import constants
@@ -125,23 +134,29 @@ from fatigue_planner.compiled import compiled
 
 
 @compiled
-def helped(x):
+def helped(_, x):
     return x + 1.0
 
 
 @compiled
-def more(x):
+def more(_, x):
     return x + constants.VALUE
 """
 CONSTANTS = "VALUE = 1.0\n"
 
 
 def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
-    """A problem of one's own, changed without a change of size or time of its files: in kernels and by itself."""
+    """A problem of one's own, changed without a change of size or time of its files: in kernels and by itself.
+
+    The last change also swaps the fields of a NamedTuple that the function gets.
+    """
     sources = {"mine.py": MINE, "helper.py": HELPER, "constants.py": CONSTANTS}
     for values in (("1.0", "1.0", "1.0"), ("1.0", "2.0", "3.0"), ("4.0", "2.0", "3.0")):
         for value, (name, text) in zip(values, sources.items(), strict=True):
-            (tmp_path / name).write_text(text.replace("1.0", value))
+            source = text.replace("1.0", value)
+            if value == "4.0":
+                source = source.replace("first: float\n    second: float", "second: float\n    first: float")
+            (tmp_path / name).write_text(source)
             os.utime(tmp_path / name, (1e9, 1e9))
         printed = python(
             "import json, mine; print(json.dumps(mine.results()))",
@@ -151,7 +166,43 @@ def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
         )
         own, helper, constant = map(float, values)
         expected = [own] * 5 + [helper, constant, constant]
-        assert json.loads(printed) == [[value, value] for value in expected]
+        assert json.loads(printed) == [7.0, *expected, *expected]
+
+
+ALONE = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from small_problems import pomcp, small_model, tree_of, two_starts
+if sys.argv[2] == "own":
+    from own_problem import BELIEF
+else:
+    BELIEF = two_starts(small_model(0.0))
+print(tree_of(BELIEF, pomcp(9, leaf_value="none")).tried[0].sum())
+"""
+OWN_PROBLEM = """
+from small_problems import *
+class Own(NamedTuple):
+    move: np.ndarray
+    reward: np.ndarray
+    see: np.ndarray
+    horizon: int
+problem = tiger_with_an_end(3)
+BELIEF = table_belief(replace(problem, arrays=Own(*problem.arrays)), [0.5, 0.5])
+"""
+
+
+@pytest.mark.slow
+def test_one_programs_problem_does_not_disturb_another_program(tmp_path: Path) -> None:
+    """What is kept for a problem whose types are defined elsewhere is of no account where these are not known."""
+    (tmp_path / "own_problem.py").write_text(OWN_PROBLEM)
+    for which, folder in (("own", tmp_path), ("fatigue", HERE), ("own", tmp_path)):
+        assert python(ALONE, folder, which, XDG_CACHE_HOME=str(tmp_path / "cache")) == "9\n"
+
+
+def test_functions_that_get_a_problems_own_types_are_not_kept() -> None:
+    """Else the file that lists what is kept could not be read by programs that do not know these types."""
+    for function in (no_value, expect_nothing, tiger.advance):
+        assert function.stats.cache_path is None
 
 
 def beliefs() -> dict[str, ExactBelief]:

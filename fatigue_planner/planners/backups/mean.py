@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import compiled, compiled_for_any_problem
 from fatigue_planner.planners.search.tree import Tree, Vector
 
 
-@compiled
+@compiled_for_any_problem
 def expect_nothing(
     _arrays: Any,
     _tree: Tree,

@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.compiled import compiled_for_any_problem
 from fatigue_planner.planners.search.descent import Numbers
 from fatigue_planner.planners.search.tree import Vector
 
 
-@compiled
+@compiled_for_any_problem
 def no_value(
     _arrays: Any,
     _state: Vector,
