@@ -36,7 +36,9 @@ HERE = Path(__file__).parent
 
 def python(script: str, *arguments: str | Path, path: Path = HERE, **environment: str) -> str:
     """What a script prints in a process of its own that finds modules in `path`."""
-    paths = os.pathsep.join([str(path), str(HERE.parent), os.environ.get("PYTHONPATH", "")])
+    paths = os.pathsep.join(
+        [str(path), str(HERE.parent), str(HERE.parent / "examples"), os.environ.get("PYTHONPATH", "")]
+    )
     done = subprocess.run(
         [sys.executable, "-c", script, *map(str, arguments)],
         env=os.environ | {"PYTHONPATH": paths} | environment,
