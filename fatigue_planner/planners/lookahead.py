@@ -46,6 +46,6 @@ class LookaheadPolicy(Policy):
         levels = new_levels(belief.states, settings.depth, outcomes, actions, model.telling)
         levels.states[:count], levels.weights[:count] = belief.states, belief.weights
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, bound_arrays, *tables(0))
-        enumerate_all(model.arrays, levels, new_room(width, outcomes, 0), 0, count, numbers, rng)
+        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, *tables(0))
+        enumerate_all(model.arrays, bound_arrays, levels, new_room(width, outcomes, 0), 0, count, numbers, rng)
         return np.asarray(levels.values[0].copy())

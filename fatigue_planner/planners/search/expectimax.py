@@ -48,7 +48,14 @@ def new_levels(states: Array, depth: int, outcomes: int, actions: int, telling: 
 
 
 def best_return(  # noqa: PLR0912 - one enumeration
-    arrays: Any, levels: Levels, room: Room, level: int, count: int, numbers: Numbers, rng: np.random.Generator
+    arrays: Any,
+    bound_arrays: Any,
+    levels: Levels,
+    room: Room,
+    level: int,
+    count: int,
+    numbers: Numbers,
+    rng: np.random.Generator,
 ) -> float:
     """Template: the best expected return from the `count` weighted states of a level, by full enumeration.
 
@@ -81,12 +88,14 @@ def best_return(  # noqa: PLR0912 - one enumeration
                         levels.weights[place] = weight
                         reached += 1
             if reached > 0 and level + 1 < depth:
-                total += numbers.discount * best_return(arrays, levels, room, level + 1, reached, numbers, rng)
+                total += numbers.discount * best_return(
+                    arrays, bound_arrays, levels, room, level + 1, reached, numbers, rng
+                )
             else:
                 for place in range(below, below + reached):
                     for j in range(room.state.size):
                         room.state[j] = levels.states[place, j]
-                    value = leaf_value(arrays, room, numbers, actions, rng)
+                    value = leaf_value(arrays, bound_arrays, room, numbers, actions, rng)
                     total += numbers.discount * levels.weights[place] * value
         levels.values[level, action] = total
     best = levels.values[level, 0]
