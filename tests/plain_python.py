@@ -4,10 +4,12 @@ from collections.abc import Callable
 from types import FunctionType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from fatigue_planner.planners import pomcp
 from fatigue_planner.planners.parts import search_kernel
+from fatigue_planner.pomdp import vectors
 from fatigue_planner.pomdp.beliefs import exact
 
 
@@ -18,6 +20,8 @@ def interpreted(kernel: Any, **parts: Any) -> FunctionType:
     for name in plain.__code__.co_names:
         if name in parts:
             names[name] = parts[name]
+        elif names.get(name) in (vectors.move, vectors.sum_of_squares_after):
+            names[name] = vectors._interpreted(store=names[name] is vectors.move)
         elif hasattr(names.get(name), "py_func"):
             names[name] = interpreted(names[name], **parts)
     return FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__)
@@ -25,7 +29,19 @@ def interpreted(kernel: Any, **parts: Any) -> FunctionType:
 
 def plant_in_search(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]) -> None:
     """Let every search run as plain Python, with these parts."""
-    monkeypatch.setattr(pomcp, "search_kernel", lambda *which: interpreted(search_kernel(*which), **parts))
+
+    def plain_kernel(*which: Any) -> Callable[..., int]:
+        grow = interpreted(search_kernel(*which), **parts)
+        names = grow.__code__.co_varnames[: grow.__code__.co_argcount]
+
+        def run(*values: Any) -> int:
+            tree = values[names.index("tree")]
+            fields_as_attributes = tree._replace(nodes=tree.nodes.view(np.recarray))
+            return int(grow(*(fields_as_attributes if value is tree else value for value in values)))
+
+        return run
+
+    monkeypatch.setattr(pomcp, "search_kernel", plain_kernel)
 
 
 def plant_in_belief(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]) -> None:

@@ -159,9 +159,17 @@ def pomcp(descents: int, c: float = 0.1, backup: str = "mean", **others: Any) ->
     return PomcpSettings(kind="pomcp", backup=backup, exploration_constant=c, descents=descents, **others)
 
 
-def tree_of(belief: Belief, settings: PomcpSettings, seed: int = 1) -> Tree:
-    """The tree of a fresh search."""
-    return PomcpPolicy(settings).tree(belief, np.random.default_rng(seed), 0.0)
+# The nodes in use of a search tree; their fields are its attributes.
+Nodes = Any
+
+
+def nodes_of(tree: Tree) -> Nodes:
+    return tree.nodes[: tree.size[0]].view(np.recarray)
+
+
+def tree_of(belief: Belief, settings: PomcpSettings, seed: int = 1) -> Nodes:
+    """The nodes of a fresh search."""
+    return nodes_of(PomcpPolicy(settings).tree(belief, np.random.default_rng(seed), 0.0))
 
 
 def lookahead(belief: Belief, depth: int, **others: Any) -> np.ndarray:
@@ -188,15 +196,9 @@ def expectimax(belief: Belief, action: int, depth: int) -> float:
     return value
 
 
-def nodes_with_tried(tree: Tree) -> Iterator[tuple[int, int]]:
+def nodes_with_tried(tree: Nodes) -> Iterator[tuple[int, int]]:
     """All chance nodes."""
-    yield from map(tuple, np.argwhere(tree.tried[: tree.used[0]] > 0).tolist())
-
-
-def cut(tree: Tree) -> Tree:
-    """The tree without the room it does not use."""
-    used = int(tree.used[0])
-    return Tree(*(array if name == "used" else array[:used] for name, array in tree._asdict().items()))
+    yield from map(tuple, np.argwhere(tree.tried > 0).tolist())
 
 
 def with_discount(belief: ExactBelief, discount: float) -> ExactBelief:

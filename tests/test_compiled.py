@@ -15,7 +15,6 @@ import tiger
 from small_problems import (
     EXPERTISES,
     NOISY,
-    cut,
     lookahead,
     pomcp,
     small_model,
@@ -29,6 +28,7 @@ from small_problems import (
 from fatigue_planner.planners.backups.mean import expect_nothing
 from fatigue_planner.planners.leaf_values.none import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
 from fatigue_planner.pomdp.problem import draw
 
 HERE = Path(__file__).parent
@@ -227,17 +227,14 @@ def searched(everything: bool) -> dict[tuple[str, ...], Any]:
     """Trees and lookahead values of all cases: 120 descents of each combination of parts."""
     found: dict[tuple[str, ...], Any] = {}
     for name, belief in beliefs().items():
-        bounded = belief.model.dynamics.bound is not None
-        for parts in ALL if everything else SOME if bounded else SOME_FATIGUE:
-            if parts[2] == "bound" and not bounded:
-                continue
-            c = 50.0 if bounded else 0.01
+        fatigue = isinstance(belief.model, FatiguePomdp)
+        for parts in ALL if everything else SOME_FATIGUE if fatigue else SOME:
+            c = 0.01 if fatigue else 50.0
             others = {"exploration": parts[1], "leaf_value": parts[2], "rollout_cycles": 3}
-            tree = cut(tree_of(belief, pomcp(120, c, parts[0], **others)))
-            found[name, *parts] = {part: array.tobytes() for part, array in tree._asdict().items()}
+            tree = tree_of(belief, pomcp(120, c, parts[0], **others))
+            found[name, *parts] = {field: tree[field].tobytes() for field in tree.dtype.names}
         for leaf in dict.fromkeys(parts[2] for parts in ALL) if everything else ["none"]:
-            if leaf != "bound" or bounded:
-                found[name, leaf] = lookahead(belief, 3, leaf_value=leaf, rollout_cycles=3).tobytes()
+            found[name, leaf] = lookahead(belief, 3, leaf_value=leaf, rollout_cycles=3).tobytes()
     return found
 
 

@@ -4,7 +4,7 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from small_problems import STARTS, lookahead, relaxed, small_model, table_belief, tiger_with_an_end
+from small_problems import STARTS, lookahead, relaxed, small_model
 
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.pomdp import cyclic_plans
@@ -68,20 +68,11 @@ def test_every_worker_has_his_own_plans() -> None:
 
 
 def test_lookahead_over_plans_rises_with_its_depth_and_stays_below_the_optimum() -> None:
-    """Each more exact cycle can only improve a policy's value; 0 is above every optimum, so depth without leaf is, too."""
+    """Each more exact cycle can only improve a policy's value; with 0 as leaf value it is above every optimum."""
     belief = relaxed(small_model(0.0))
     values = [lookahead(belief, depth, leaf_value="bound").max() for depth in range(1, 7)]
     assert all(later >= earlier - 1e-15 for earlier, later in pairwise(values))
     assert values[-1] <= lookahead(belief, 6).max()
-
-
-def test_a_problem_without_bound_says_so() -> None:
-    from dataclasses import replace
-
-    problem = tiger_with_an_end(3)
-    without = replace(problem, dynamics=replace(problem.dynamics, bound=None))
-    with pytest.raises(ExperimentError, match="leaf value bound: this problem has none"):
-        lookahead(table_belief(without, [0.5, 0.5]), 2, leaf_value="bound")
 
 
 def test_undiscounted_plans_have_no_value() -> None:

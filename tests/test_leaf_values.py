@@ -1,15 +1,17 @@
 """Leaf values against the returns they stand for, by enumeration; run as plain Python, so that none is compiled."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from plain_python import interpreted, plant_in_search
 from scipy import stats
-from small_problems import pomcp, random_tables, relaxed, small_model, table_belief, table_bound, tree_of, two_starts
+from small_problems import pomcp, random_tables, relaxed, small_model, table_belief, table_bound, tree_of
 
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.search.tree import UNVISITED
 from fatigue_planner.planners.settings import LookaheadSettings
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -65,7 +67,7 @@ def test_a_bound_stands_at_every_leaf(monkeypatch: pytest.MonkeyPatch, backup: s
     plant_in_search(monkeypatch)
     tree = tree_of(table_belief(SHARP, [0.0, 1.0]), pomcp(3, 0.0, backup, leaf_value="bound"))
     for action in range(3):
-        (outcome,) = np.flatnonzero(tree.child[0, action] >= 0)
+        (outcome,) = np.flatnonzero(tree.child[0, action] != UNVISITED)
         after, reward = SHARP.after(np.array([1.0, 0.0]), action, int(outcome))
         if backup == "exact":
             reward = tree.mean_reward[0, action]
@@ -74,7 +76,8 @@ def test_a_bound_stands_at_every_leaf(monkeypatch: pytest.MonkeyPatch, backup: s
 
 
 def test_a_problem_without_a_bound_says_so() -> None:
-    belief, rng = two_starts(small_model(0.0)), np.random.default_rng(0)
+    without = replace(SHARP, dynamics=replace(SHARP.dynamics, bound=None))
+    belief, rng = table_belief(without, [0.5, 0.5]), np.random.default_rng(0)
     for settings in (pomcp(9, leaf_value="bound"), LookaheadSettings(kind="lookahead", depth=1, leaf_value="bound")):
         with pytest.raises(ExperimentError, match="leaf value bound: this problem has none"):
             build_policy(settings).act(belief, rng)

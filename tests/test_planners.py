@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 from scipy import stats
-from small_problems import EXPERTISES, expectimax, pomcp, relaxed, small_model, tree_of, two_starts
+from small_problems import EXPERTISES, expectimax, nodes_of, pomcp, relaxed, small_model, tree_of, two_starts
 from tree_checks import assert_counts, children
 
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
@@ -86,12 +86,12 @@ def assert_same_subtree(tree, root: int, kept) -> None:
     while pairs:
         old, new = pairs.pop()
         seen += 1
-        for name, array in tree._asdict().items():
-            if name not in ("child", "used") and array.shape[0] > 0:
-                np.testing.assert_array_equal(getattr(kept, name)[new], array[old], err_msg=name)
+        for name in tree.dtype.names:
+            if name != "child":
+                np.testing.assert_array_equal(kept[name][new], tree[name][old], err_msg=name)
         np.testing.assert_array_equal(tree.child[old] == UNVISITED, kept.child[new] == UNVISITED)
         pairs += zip(*(one[one != UNVISITED].tolist() for one in (tree.child[old], kept.child[new])), strict=True)
-    assert seen == kept.used[0] == tree.visited[root]
+    assert seen == len(kept) == tree.visited[root]
 
 
 @pytest.mark.parametrize("backup", ["max", "exact"])
@@ -101,12 +101,12 @@ def test_the_kept_tree_is_the_subtree_and_the_search_goes_on_from_it(backup: str
     belief = two_starts(small_model(0.0))
     kept = 0
     for observation in (0, 1, 1):
-        tree = policy.tree(belief, rng, 0.0)
+        tree = nodes_of(policy.tree(belief, rng, 0.0))
         assert_counts(tree, 400 + kept)
         action = int(tree.visited[tree.child[0, :, observation]].argmax())
         child = int(tree.child[0, action, observation])
         policy.observe(action, observation)
-        assert_same_subtree(tree, child, policy._kept)
+        assert_same_subtree(tree, child, nodes_of(policy._tree))
         kept = int(tree.visited[child]) - 1
         assert kept > 50
         belief = belief.update(action, observation, rng)

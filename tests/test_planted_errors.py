@@ -20,8 +20,7 @@ from fatigue_planner.planners import pomcp as pomcp_module
 from fatigue_planner.planners.backups.exact import back_up_exact
 from fatigue_planner.planners.backups.max import back_up_max
 from fatigue_planner.planners.backups.mean import back_up_mean
-from fatigue_planner.planners.search.descent import Numbers
-from fatigue_planner.planners.search.tree import Tree
+from fatigue_planner.planners.search.numbers import Numbers
 
 DESCENTS = 300
 
@@ -35,36 +34,41 @@ def check(backup: str, expertise: float = 25.0) -> None:
     if backup == "mean":
         assert_means_everywhere(tree, belief)
     elif backup == "max":
-        assert_maxuct_everywhere(tree, 0.95)
+        assert_maxuct_everywhere(tree, belief)
     else:
         assert_exact_everywhere(tree, 0.95)
 
 
-def untried_counts_as_zero(tree: Tree, node: int) -> float:
-    return float(tree.value[node].max())
+def untried_counts_as_zero(node: Any) -> float:
+    return float(node.value.max())
 
 
-def worst_value(tree: Tree, node: int) -> float:
-    return float(tree.value[node][tree.tried[node] > 0].min())
+def worst_value(node: Any) -> float:
+    return float(node.value[node.tried > 0].min())
 
 
-def mean_over_reaching(tree: Tree, node: int, action: int, _r: float, gained: float, _discount: float) -> None:
-    tree.value[node, action] += (gained - tree.value[node, action]) / tree.visited[node]
+def mean_over_reaching(_nodes: Any, node: Any, action: int, target: float, _numbers: Numbers) -> float:
+    node.value[action] += (target - node.value[action]) / node.visited
+    return target
 
 
-def forgetting(back_up: Any) -> Callable[..., None]:
-    """A backup that forgets to discount."""
-    return lambda tree, node, action, reward, gained, _: back_up.py_func(tree, node, action, reward, gained, 1.0)
+def forgetting(back_up: Any) -> Callable[..., float]:
+    """A backup that forgets to discount what lies beyond the successor."""
+    return lambda nodes, node, action, target, numbers: (
+        back_up.py_func(nodes, node, action, target, numbers._replace(discount=1.0))
+        / (1 if back_up is back_up_exact else numbers.discount)
+    )
 
 
-def note_twice(tree: Tree, node: int, _gained: float) -> None:
-    tree.visited[node] += 1
+def note_twice(node: Any, _gained: float) -> None:
+    node.visited += 1
 
 
-def trying_twice(back_up: Any) -> Callable[..., None]:
-    def twice(tree: Tree, node: int, action: int, *others: float) -> None:
-        back_up.py_func(tree, node, action, *others)
-        tree.tried[node, action] += tree.tried[node, action] == 7
+def trying_twice(back_up: Any) -> Callable[..., float]:
+    def twice(nodes: Any, node: Any, action: int, *others: Any) -> float:
+        passed_on = back_up.py_func(nodes, node, action, *others)
+        node.tried[action] += node.tried[action] == 7
+        return float(passed_on)
 
     return twice
 

@@ -1,28 +1,28 @@
 """What must hold of every search tree and every belief, whatever the problem; each check raises AssertionError."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 
 import numpy as np
 import pytest
 from scipy import stats
-from small_problems import nodes_with_tried
+from small_problems import Nodes, nodes_with_tried
 
-from fatigue_planner.planners.search.tree import UNVISITED, Tree
+from fatigue_planner.planners.search.tree import UNVISITED
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
 
 
-def children(tree: Tree, node: int, action: int) -> list[int]:
+def children(tree: Nodes, node: int, action: int) -> list[int]:
     return [int(child) for child in tree.child[node, action] if child != UNVISITED]
 
 
-def assert_counts(tree: Tree, descents: int) -> None:
+def assert_counts(tree: Nodes, descents: int) -> None:
     """One node per descent; visits of a node are its creation and its actions', of an action its successors'."""
-    used = int(tree.used[0])
+    used = len(tree)
     assert used == descents + 1 and tree.visited[0] == used
-    assert (tree.visited[:used] > 0).all() and not tree.visited[used:].any()
-    np.testing.assert_array_equal(tree.tried[:used].sum(axis=1), tree.visited[:used] - 1)
+    assert (tree.visited > 0).all()
+    np.testing.assert_array_equal(tree.tried.sum(axis=1), tree.visited - 1)
     parents = np.zeros(used, int)
     for node, action in nodes_with_tried(tree):
         following = children(tree, node, action)
@@ -31,22 +31,13 @@ def assert_counts(tree: Tree, descents: int) -> None:
     assert parents[0] == 0 and (parents[1:] == 1).all()
 
 
-def best_tried(tree: Tree, node: int) -> float:
+def best_tried(tree: Nodes, node: int) -> float:
     """V(h) as the search stores it: of a leaf its leaf value, else the best of the actions tried."""
     tried = tree.tried[node] > 0
     return float(tree.value[node][tried].max() if tried.any() else tree.best[node])
 
 
-def assert_maxuct_everywhere(tree: Tree, discount: float) -> None:
-    """Q(h, a) = mean reward + gamma * mean over visits of the successors' V; these change only with h on the path."""
-    for node, action in nodes_with_tried(tree):
-        future = sum(int(tree.visited[child]) * best_tried(tree, child) for child in children(tree, node, action))
-        expected = tree.mean_reward[node, action] + discount * future / tree.tried[node, action]
-        assert tree.value[node, action] == pytest.approx(expected, rel=1e-12, abs=1e-300)
-        assert tree.best[node] == best_tried(tree, node)
-
-
-def assert_exact_everywhere(tree: Tree, discount: float) -> None:
+def assert_exact_everywhere(tree: Nodes, discount: float) -> None:
     """The same with the chances of the observations, among those known, in place of visits."""
     for node, action in nodes_with_tried(tree):
         chances = tree.chance[node, action]
@@ -57,8 +48,20 @@ def assert_exact_everywhere(tree: Tree, discount: float) -> None:
         assert tree.value[node, action] == pytest.approx(expected, rel=1e-12, abs=1e-300)
 
 
-def assert_means_everywhere(tree: Tree, start: Belief) -> None:
-    """N(h, a) Q(h, a) = sum of all rewards and, discounted, of all returns behind, leaf values with them.
+def assert_means_everywhere(tree: Nodes, start: Belief) -> None:
+    """N(h, a) Q(h, a) = sum of all rewards and, discounted, of all returns behind, leaf values with them."""
+    _assert_sums(tree, start, lambda child: float(tree.tried[child] @ tree.value[child]) + tree.best[child])
+
+
+def assert_maxuct_everywhere(tree: Nodes, start: Belief) -> None:
+    """Q(h, a) = mean reward + gamma * mean over visits of the successors' V = best Q, of a leaf its leaf value."""
+    _assert_sums(tree, start, lambda child: int(tree.visited[child]) * best_tried(tree, child))
+    for node in range(len(tree)):
+        assert tree.best[node] == best_tried(tree, node)
+
+
+def _assert_sums(tree: Nodes, start: Belief, behind: Callable[[int], float]) -> None:
+    """N(h, a) Q(h, a) = sum over the visits of the rewards + gamma * what is behind every successor.
 
     From one state with observations that tell the outcome, so that all rewards can be told from the tree.
     """
@@ -69,16 +72,15 @@ def assert_means_everywhere(tree: Tree, start: Belief) -> None:
         node, state = stack.pop()
         for action in np.flatnonzero(tree.tried[node]):
             total = 0.0
-            for outcome, child in enumerate(tree.child[node, action]):
+            for outcome, child in enumerate(tree.child[node, action].tolist()):
                 if child != UNVISITED:
                     after, reward = model.after(state, int(action), outcome)
-                    behind = float(tree.tried[child] @ tree.value[child]) + tree.best[child]
-                    total += int(tree.visited[child]) * reward + model.discount * behind
-                    stack.append((int(child), after))
-            assert tree.value[node, action] * tree.tried[node, action] == pytest.approx(total, rel=1e-9)
+                    total += int(tree.visited[child]) * reward + model.discount * behind(child)
+                    stack.append((child, after))
+            assert tree.value[node, action] * int(tree.tried[node, action]) == pytest.approx(total, rel=1e-9)
 
 
-def assert_observations_as_likely(tree: Tree, belief: Belief) -> None:
+def assert_observations_as_likely(tree: Nodes, belief: Belief) -> None:
     """Visits of the root's successors against P(o | b, a): chi-square test, false alarm 1e-6 per action."""
     model = belief.model
     for action in range(len(model.actions)):

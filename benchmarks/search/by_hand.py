@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from fatigue_planner.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.pomdp.model import FatiguePomdp
+
+from fatigue_planner.files import DIGEST_LENGTH, digest_of
 
 SOURCE = Path(__file__).with_name("search.cpp")
 FLAGS = ("-std=c++17", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-shared", "-fPIC")

@@ -31,12 +31,12 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 
 import numpy as np
 from by_hand import CompilerMissingError, Root, SearchByHand
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp
 
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, problem, reaction_requests
 from fatigue_planner.planners.registry import PomcpSettings, build_policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
 from fatigue_planner.reactions.cache import ReactionCache
 
 HERE = Path(__file__).parent

@@ -8,10 +8,10 @@ import sys
 import time
 
 import numpy as np
-
-from fatigue_planner.planners.registry import PomcpSettings, build_policy
 from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.pomdp.model import FatiguePomdp
+
+from fatigue_planner.planners.registry import PomcpSettings, build_policy
 
 
 def main() -> None:
