@@ -147,7 +147,7 @@ def test_a_time_budget_is_kept_and_used() -> None:
     assert max(decision.duration_s for decision in decisions) > 0.02
     for decision in decisions:
         assert decision.visits.sum() > 2 and decision.visits.min() > 0 and decision.depth > 1
-    tree = policy.tree(belief, rng, time.perf_counter())
+    tree = nodes_of(policy.tree(belief, rng, time.perf_counter()))
     assert_counts(tree, int(tree.visited[0]) - 1)
 
 

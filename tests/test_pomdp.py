@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from small_problems import (
     NOISY,
+    STARTS,
     belief_in,
     pomcp,
     relaxed,
@@ -100,21 +101,21 @@ def test_initial_beliefs_are_the_papers(paper: Experiment, reactions: tuple[Reac
 
 def test_no_entry_that_is_never_loaded_changes_anything() -> None:
     """Such entries are left out; kept in, padded to other lengths, they give the same tree."""
-    extra = np.zeros((1, 5))
+    extra = np.zeros((1, LANES))
     wider = {
         name: CycleProfile(
             *(np.hstack([runs, extra]) for runs in (p.dose_s, p.later_dose_s, p.later_rest_s)),
-            *(np.append(values, np.ones(5)) for values in (p.rest_s, p.fatigue_rate, p.recovery_rate)),
+            *(np.append(values, np.ones(LANES)) for values in (p.rest_s, p.fatigue_rate, p.recovery_rate)),
         )
         for name, p in small_profiles().items()
     }
-    loaded, all_tired = np.zeros((1, 8)), np.ones((1, 8))
+    loaded, all_tired = np.zeros((1, 3 + LANES)), np.ones((1, 3 + LANES))
     dropped, kept = (build_pomdp("ab", "xy", wider, f, one_worker(10.0), 0.95) for f in (loaded, all_tired))
     assert dropped.arrays.gain.shape == (4, LANES) and kept.arrays.gain.shape == (4, 2 * LANES)
-    fatigue = np.array([[0.1, 0.6, 0.2, 0, 0, 0, 0, 0], [0.4, 0.1, 0.3, 0, 0, 0, 0, 0]])
+    fatigue = np.hstack([STARTS, np.zeros((2, LANES))])
     trees = [tree_of(belief_in(model, fatigue, [0.3, 0.7]), pomcp(300)) for model in (dropped, kept)]
-    for small, wide in zip(*trees, strict=True):
-        np.testing.assert_allclose(small, wide, rtol=1e-12)
+    for name in trees[0].dtype.names:
+        np.testing.assert_allclose(trees[0][name], trees[1][name], rtol=1e-12, err_msg=name)
 
 
 def test_the_maps_of_one_worker_and_of_two_are_stored_alike() -> None:
