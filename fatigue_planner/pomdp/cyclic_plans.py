@@ -16,7 +16,7 @@ from fatigue_planner.errors import ExperimentError
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Plans of up to so many cycles, as long as there are at most MOST_PLANS of them.
+# Plans of up to so many cycles; of several only where there are at most MOST_PLANS of that length.
 LONGEST_PLAN = 6
 MOST_PLANS = 1000
 
@@ -33,14 +33,13 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     """All plans from every starting point, without those that only repeat a shorter one."""
     plans: list[tuple[int, ...]] = []
     for length in range(1, LONGEST_PLAN + 1):
-        longer = [
+        if length > 1 and actions**length > MOST_PLANS:
+            break
+        plans += [
             plan
             for plan in itertools.product(range(actions), repeat=length)
             if not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
         ]
-        if length > 1 and len(plans) + len(longer) > MOST_PLANS:
-            break
-        plans += longer
     return plans
 
 
