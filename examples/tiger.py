@@ -12,7 +12,7 @@ from fatigue_planner.compiled import compiled
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
-from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
+from fatigue_planner.pomdp.problem import Dynamics, Pomdp
 
 SIDES = ("left", "right")
 LISTEN = 2  # actions 0 and 1 open the door of that side
@@ -58,9 +58,7 @@ def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tup
     total, told = 0.0, []
     for cycle in range(cycles):
         action = policy.act(belief, rng).action
-        side = draw(PROBLEM.probabilities(state, action), rng.random())
-        state, reward = PROBLEM.after(state, action, side)
-        heard = draw(PROBLEM.observation_probabilities(state, action, side), rng.random())
+        state, heard, reward = PROBLEM.happen(state, action, rng)
         policy.observe(action, heard)
         belief = belief.update(action, heard, rng)
         total += PROBLEM.discount**cycle * reward

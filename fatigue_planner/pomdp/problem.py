@@ -91,6 +91,12 @@ class Pomdp:
         reward = float(self.dynamics.advance(self.arrays, moved, action, outcome))
         return moved, reward
 
+    def happen(self, state: Vector, action: int, rng: np.random.Generator) -> tuple[Vector, int, float]:
+        """One cycle by chance: the state it leads to, what is observed, and the reward."""
+        moved = state.copy()
+        observation, reward = self.parts["step"](self.arrays, moved, action, np.empty(len(self.outcomes)), rng)
+        return moved, int(observation), float(reward)
+
     def observation_probabilities(self, state: Vector, action: int, outcome: int) -> Vector:
         """P(observation | state reached, action, outcome), (O,)."""
         see = self.dynamics.observation_probability
