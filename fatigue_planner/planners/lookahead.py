@@ -40,6 +40,7 @@ class LookaheadPolicy(Policy):
             leaf_value=LEAF_VALUES[settings.leaf_value](model),
             TELLING=model.telling,
             N_OBSERVATIONS=len(model.observations),
+            LEAVES=settings.leaf_value != "none",
         )
         count, width = belief.states.shape
         outcomes, actions = len(model.outcomes), len(model.actions)

@@ -49,7 +49,7 @@ def _expect_outcomes(model: Pomdp) -> Any:
 
 
 def _greedy_rollout(model: Pomdp) -> Any:
-    parts = {name: model.parts[name] for name in ("outcome_probabilities", "advance", "step")}
+    parts = {name: model.parts[name] for name in ("expected_reward", "step")}
     return specialised(greedy_rollout, inlined, **parts)
 
 

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from fatigue_planner.planners.search.descent import leaf_value
 from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.planners.search.tree import Array
-from fatigue_planner.pomdp.problem import advance, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
 from fatigue_planner.pomdp.vectors import aligned
 
-# Whether the observation always tells the outcome, and how many observations there are.
+# Whether the observation always tells the outcome, how many observations there are, and whether leaves have values.
 TELLING = False
 N_OBSERVATIONS = 0
+LEAVES = True
 
 
 class Levels(NamedTuple):
@@ -60,6 +61,12 @@ def best_return(  # noqa: PLR0912 - one enumeration
     depth, actions = levels.values.shape
     first, below = levels.begin[level], levels.begin[level + 1]
     for action in range(actions):
+        if not LEAVES and level + 1 == depth:
+            levels.values[level, action] = 0.0
+            for i in range(first, first + count):
+                reward = expected_reward(arrays, levels.states[i], action, levels.probabilities[i], room.moved)
+                levels.values[level, action] += levels.weights[i] * reward
+            continue
         for i in range(first, first + count):
             outcome_probabilities(arrays, levels.states[i], action, levels.probabilities[i])
         total = 0.0
@@ -84,9 +91,8 @@ def best_return(  # noqa: PLR0912 - one enumeration
                 total += numbers.discount * best_return(arrays, levels, room, level + 1, reached, numbers, rng)
             else:
                 for place in range(below, below + reached):
-                    for j in range(room.state.size):
-                        room.state[j] = levels.states[place, j]
-                    value = leaf_value(arrays, room, numbers, actions, rng)
+                    leaf = Room(levels.states[place], room.moved, room.probabilities, *room[3:])
+                    value = leaf_value(arrays, leaf, numbers, actions, rng)
                     total += numbers.discount * levels.weights[place] * value
         levels.values[level, action] = total
     best = levels.values[level, 0]
