@@ -127,27 +127,25 @@ def react_to_costs(
 
 
 @inlined
-def expected_reward(
-    arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector
-) -> float:
+def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector) -> float:
     """The mean of -C over the preferences, and their probabilities: every cost is computed once."""
-    expertise = expertise_of(arrays, state)
+    expertise, count = expertise_of(arrays, state), probabilities.size
     costs_after(arrays, state, action, probabilities)
     least = lowest(probabilities)
     total, weighted = 0.0, 0.0
-    for u in range(probabilities.size):
+    for u in range(count):
         cost = probabilities[u]
-        probabilities[u] = relative_chance(cost - least, expertise)
-        total += probabilities[u]
-        weighted += probabilities[u] * cost
-    for u in range(probabilities.size):
-        probabilities[u] /= total
+        chance = relative_chance(cost - least, expertise)
+        probabilities[u] = 1.0 / count if expertise == 0 else chance
+        total += chance
+        weighted += chance * cost
+    if expertise != 0:
+        for u in range(count):
+            probabilities[u] /= total
     return -weighted / total
 
 
-FATIGUE = Dynamics(
-    preference_probabilities, react, recognition, react_to_costs, expected_reward, best_plan_value
-)
+FATIGUE = Dynamics(preference_probabilities, react, recognition, react_to_costs, expected_reward, best_plan_value)
 
 
 class Workers(NamedTuple):

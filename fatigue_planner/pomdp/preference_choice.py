@@ -1,5 +1,7 @@
 """How the worker chooses a motion preference."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,11 +16,11 @@ def relative_chance(excess: float, expertise: float) -> float:
 
     Stable for every expertise beta from 0 (all are equal) to infinity (the cheapest only, ties shared equally).
     """
-    if excess == 0:
+    if excess == 0 or expertise == 0:
         return 1.0
     if expertise == np.inf:
         return 0.0
-    return float(np.exp(-expertise * excess))
+    return math.exp(-expertise * excess)
 
 
 @inlined

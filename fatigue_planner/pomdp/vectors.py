@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 LANES = 8
-GROUP = 4  # blocks that are read before any of them is written
+GROUP = 8  # blocks that are read before any of them is written
 CACHE_LINE = 64  # bytes
 
 
