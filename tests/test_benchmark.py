@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import PAPER
+from fatigue_planner.pomdp.belief import Belief
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_cell, run_grid
@@ -25,7 +26,6 @@ from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.policy import Decision, Policy
 from fatigue_planner.planners.registry import GreedySettings, PomcpSettings, RandomSettings
-from fatigue_planner.pomdp.belief import Belief
 from fatigue_planner.reactions.reaction import Reaction
 
 SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)

@@ -5,6 +5,8 @@ from itertools import product
 
 import numpy as np
 import pytest
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp
 from scipy.stats import t as student
 
 from fatigue_planner.benchmark.trial import draw_world, run_trial
@@ -18,8 +20,6 @@ from fatigue_planner.bounds.task import hidden_state, known_state
 from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
 from fatigue_planner.pomdp.preference_choice import preference_probabilities
 from fatigue_planner.reactions.reaction import Reaction
 

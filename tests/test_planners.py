@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp
 from scipy import stats
 from test_pomdp import small_model
 
@@ -18,8 +20,6 @@ from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, 
 from fatigue_planner.planners.pomcp import PomcpPolicy
 from fatigue_planner.planners.registry import POLICY_KINDS, PomcpSettings, build_policy
 from fatigue_planner.planners.search import LANES, UNVISITED, Tree, search_model
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
 from fatigue_planner.reactions.reaction import Reaction
 
 START = Belief(np.array([[0.1, 0.6, 0.2], [0.4, 0.1, 0.3]]), np.array([0.3, 0.7]))

@@ -5,14 +5,14 @@ from itertools import product
 
 import numpy as np
 import pytest
+from fatigue_planner.pomdp.belief import Belief
+from fatigue_planner.pomdp.model import FatiguePomdp, build_pomdp
 
 from fatigue_planner.experiment.resolve import cycle_maps, problem
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleMap, cycle_map
 from fatigue_planner.fatigue.parameters import fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp, build_pomdp
 from fatigue_planner.pomdp.preference_choice import preference_probabilities
 from fatigue_planner.reactions.reaction import Reaction
 

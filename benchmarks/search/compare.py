@@ -220,7 +220,7 @@ def main() -> None:
         from scaling import write_figure  # noqa: PLC0415
 
         write_figure(options.figure)
-    problems = [*papers_problems(), synthetic_problem()]
+    problems = [*experiment_problems("paper"), synthetic_problem(), synthetic_problem(expertise=np.inf)]
     cases = [Case(problem, c, backup) for problem in problems for c in CONSTANTS for backup in BACKUPS]
     try:
         SearchByHand(problems[0].model)

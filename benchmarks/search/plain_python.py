@@ -9,7 +9,6 @@ import time
 from dataclasses import replace
 
 import numpy as np
-
 from problems import affine_model, rested
 
 from fatigue_planner.planners.registry import build_policy

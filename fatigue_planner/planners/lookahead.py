@@ -49,7 +49,7 @@ class LookaheadPolicy(Policy):
             self._levels = new_levels(count, width, settings.depth, outcomes, actions, model.telling)
             self._room = new_room(width, outcomes, 0)
         levels = self._levels
-        levels.states[:count], levels.weights[:count], levels.count[0] = belief.states, belief.weights, count
+        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         numbers = Numbers(0.0, model.discount, settings.rollout_cycles, bound_arrays, *self._tables)
         self._kernel(model.arrays, levels, self._room, numbers, rng)

@@ -26,8 +26,8 @@ def relative_chance(excess: float, expertise: float) -> float:
 @inlined
 def lowest(costs: Vector) -> float:
     """The smallest of the costs (U,)."""
-    found = costs[0]
-    for u in range(1, costs.size):
+    found = np.inf
+    for u in range(costs.size):
         found = min(costs[u], found)
     return found
 

@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 LANES = 8
-GROUP = 8  # blocks that are read before any of them is written
+GROUPS = (8, 4, 2, 1)  # so many blocks are read before any of them is written: the most that are left
 CACHE_LINE = 64  # bytes
 
 
@@ -67,11 +67,12 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) ->
             squares = [builder.fadd(one, other) for one, other in zip(squares[::2], squares[1::2], strict=True)]
         builder.store(builder.fadd(builder.load(total), squares[0]), total)
 
-    grouped = builder.and_(width, number(-LANES * GROUP))
-    with cgutils.for_range_slice(builder, number(0), grouped, number(LANES * GROUP)) as (j, _):
-        add_blocks(j, GROUP)
-    with cgutils.for_range_slice(builder, grouped, width, number(LANES)) as (j, _):
-        add_blocks(j, 1)
+    begin = number(0)
+    for count in GROUPS:
+        end = builder.and_(width, number(-LANES * count))
+        with cgutils.for_range_slice(builder, begin, end, number(LANES * count)) as (j, _):
+            add_blocks(j, count)
+        begin = end
     left = builder.load(total)
     size = LANES
     while size > 1:  # halves on halves
@@ -90,15 +91,15 @@ def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool) -> 
     if store:
         state[:width] = f
     squares = (f * f).reshape(-1, LANES)
-    grouped = len(squares) - len(squares) % GROUP
-    total = np.zeros(LANES)
-    for i in range(0, grouped, GROUP):
-        some = squares[i : i + GROUP]
-        while len(some) > 1:
-            some = some[::2] + some[1::2]
-        total += some[0]
-    for square in squares[grouped:]:
-        total += square
+    total, begin = np.zeros(LANES), 0
+    for count in GROUPS:
+        end = len(squares) - len(squares) % count
+        for i in range(begin, end, count):
+            some = squares[i : i + count]
+            while len(some) > 1:
+                some = some[::2] + some[1::2]
+            total += some[0]
+        begin = end
     while total.size > 1:
         total = total[: total.size // 2] + total[total.size // 2 :]
     return float(total[0])

@@ -22,14 +22,14 @@ LEAVES = True
 
 
 class Levels(NamedTuple):
-    """Working memory: level d's belief lies in rows begin[d] ... begin[d] + count[d] - 1.
+    """Working memory: level d's belief lies in rows begin[d] ... begin[d] + size[d] - 1.
 
-    states (rows, L), weights (rows,), probabilities (rows, K); count, branch (depth,); values (depth, A).
+    states (rows, L), weights (rows,), probabilities (rows, K); size, branch (depth,); values (depth, A).
     Of the level's branches (an action, then an observation) branch[d] have been begun.
     """
 
     begin: NDArray[np.int64]
-    count: NDArray[np.int64]
+    size: NDArray[np.int64]
     branch: NDArray[np.int64]
     states: Array
     weights: NDArray[np.float64]
@@ -84,7 +84,7 @@ def best_return(arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: 
             continue
         if observation == 0:
             values[action] = 0.0
-            for i in range(levels.begin[level], levels.begin[level] + levels.count[level]):
+            for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
                 outcome_probabilities(arrays, levels.states[i], action, levels.probabilities[i])
         levels.branch[level] += 1
         reached, reward = observe(arrays, levels, level, action, observation)
@@ -96,14 +96,14 @@ def best_return(arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: 
                 values[action] += numbers.discount * levels.weights[place] * value
         elif reached > 0:
             level += 1
-            levels.count[level] = reached
+            levels.size[level] = reached
             levels.branch[level] = 0
 
 
 def expected_now(arrays: Any, levels: Levels, room: Room, level: int, action: int) -> float:
     """Template: the expected reward of an action in a level's belief."""
     total = 0.0
-    for i in range(levels.begin[level], levels.begin[level] + levels.count[level]):
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
         reward = expected_reward(arrays, levels.states[i], action, levels.probabilities[i], room.moved)
         total += levels.weights[i] * reward
     return total
@@ -113,7 +113,7 @@ def observe(arrays: Any, levels: Levels, level: int, action: int, observation: i
     """Template: the belief below, after an action and an observation; its size, and the expected reward on the way."""
     below = levels.begin[level + 1]
     reached, total = 0, 0.0
-    for i in range(levels.begin[level], levels.begin[level] + levels.count[level]):
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
         for outcome in range(levels.probabilities.shape[1]):
             weight = levels.weights[i] * levels.probabilities[i, outcome]
             if weight <= 0 or (TELLING and outcome != observation):
