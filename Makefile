@@ -53,6 +53,7 @@ bench: $(VENV)/.development
 	$(BIN)/python benchmarks/placo/compare.py
 	$(BIN)/python benchmarks/convergence.py
 	$(BIN)/python benchmarks/gains.py
+	$(BIN)/python benchmarks/search_convergence.py
 
 clean:
 	rm -rf $(VENV)

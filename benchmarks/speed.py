@@ -21,13 +21,13 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 import numpy as np
 
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, problem, reaction_requests
+from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.parallel import available_cores
-from fatigue_planner.planners.registry import PolicySettings, PomcpSettings, build_policy
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.reactions.cache import ReactionCache
 
 ROOT = Path(__file__).parents[1]
@@ -128,21 +128,22 @@ def _one(request: object) -> None:
         _simulate_and_keep((request, Path(folder) / "one.h5"))
 
 
-def decide(model: FatiguePomdp, belief: Belief, settings: PolicySettings) -> None:
-    build_policy(model, settings).act(belief, np.random.default_rng(0))
+def decide(belief: Belief, settings: PolicySettings) -> None:
+    build_policy(settings).act(belief, np.random.default_rng(0))
 
 
 def searches(paper: Experiment) -> None:
     """One decision of every search against POMCP's with c = 0.1."""
     requests = reaction_requests(paper)
     ReactionCache(CACHE).complete(paper.name, requests, CORES, lambda _: None)
-    maps = cycle_maps(paper, load_reactions(paper, CACHE, "fatplan simulate"))
+    profiles = load_cycle_profiles(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
-        model, belief = problem(paper, maps, paper.benchmark.conditions[condition])
+        one = situation(paper, profiles, paper.benchmark.conditions[condition])
+        belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
         for settings in paper.benchmark.policies.values():
-            decide(model, belief, settings)
+            decide(belief, settings)
         tasks = {
-            name: partial(decide, model, belief, settings)
+            name: partial(decide, belief, settings)
             for name, settings in paper.benchmark.policies.items()
             if isinstance(settings, PomcpSettings)
         }

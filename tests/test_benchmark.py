@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import PAPER
-from fatigue_planner.pomdp.belief import Belief
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_cell, run_grid
@@ -22,10 +21,12 @@ from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, 
 from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
 from fatigue_planner.cli.options import choose
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
-from fatigue_planner.experiment.resolve import cycle_maps, problem
+from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.planners.policy import Decision, Policy
-from fatigue_planner.planners.registry import GreedySettings, PomcpSettings, RandomSettings
+from fatigue_planner.planners.policy import Decision, Policy, plain_decision
+from fatigue_planner.planners.settings import GreedySettings, LookaheadSettings, PomcpSettings, RandomSettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.fatigue_model import one_worker
 from fatigue_planner.reactions.reaction import Reaction
 
 SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)
@@ -34,13 +35,14 @@ SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, d
 @pytest.fixture(scope="module")
 def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
     policies = {"random": RandomSettings(kind="random"), "greedy": GreedySettings(kind="greedy"), "search": SEARCH}
+    profiles = cycle_profiles(paper, reactions)
     return [
         Cell(
             condition,
             n_cycles,
             policy,
             settings,
-            *problem(paper, cycle_maps(paper, reactions), chosen),
+            situation(paper, profiles, chosen),
             seed=7,
             trials=12,
         )
@@ -53,34 +55,44 @@ def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
 class Fixed(Policy):
     """Always the same action; remembers what it was asked."""
 
-    def __init__(self, model, action: int) -> None:
-        super().__init__(model)
+    def __init__(self, action: int) -> None:
         self.action = action
         self.beliefs: list[Belief] = []
+        self.observed: list[tuple[int, int]] = []
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         self.beliefs.append(belief)
         rng.random(3)
-        return Decision(self.action, self._undecided())
+        return plain_decision(self.action, np.zeros(2), 0, 0.0, "always the same", belief)
+
+    def observe(self, action: int, observation: int) -> None:
+        self.observed.append((action, observation))
 
 
 def test_return_is_the_discounted_sum_by_hand(cells: list[Cell]) -> None:
+    """The policy hears of every cycle, and its belief follows what happened."""
     cell = cells[0]
-    model, world = cell.model, World(0.0, np.array([0.1, 0.9]), np.zeros(2))
-    result = run_trial(model, cell.initial, Fixed(model, 1), 2, world, np.random.default_rng(0))
-    first = model.gain[1, 0] * 0 + model.offset[1, 0]
-    second = model.gain[1, 1] * first + model.offset[1, 1]
+    model, policy = cell.situation.model, Fixed(1)
+    world = World(np.zeros(3), 0.0, np.array([0.1, 0.9]), np.zeros(2))
+    result = run_trial(cell.situation, policy, "prior", 2, world, np.random.default_rng(0))
+    gain, offset = model.arrays.gain, model.arrays.offset  # rows: action * 2 + preference
+    first = gain[2] * 0 + offset[2]
+    second = gain[3] * first + offset[3]
     costs = [(f**2).sum() / 78 for f in (first, second)]
     assert result.discounted_return == pytest.approx(-costs[0] - 0.95 * costs[1])
     assert result.final_cost == pytest.approx(costs[1]) and result.peak_cost == pytest.approx(max(costs))
+    assert policy.observed == [(1, 0), (1, 1)]
+    np.testing.assert_allclose(policy.beliefs[1].states[0, :-1], first)
 
 
 def test_worlds_depend_on_condition_length_and_trial_only() -> None:
     base = draw_world(1, "novice", 5, 0)
     again = draw_world(1, "novice", 5, 0)
-    np.testing.assert_array_equal(base.preference, again.preference)
+    for name in ("worker", "preference", "observation"):
+        np.testing.assert_array_equal(getattr(base, name), getattr(again, name))
     for other in (draw_world(2, "novice", 5, 0), draw_world(1, "expert", 5, 0), draw_world(1, "novice", 5, 1)):
         assert not np.array_equal(base.preference, other.preference) and base.start != other.start
+        assert not np.array_equal(base.worker, other.worker) and not np.array_equal(base.observation, other.observation)
     assert not np.array_equal(draw_world(1, "novice", 20, 0).preference[:5], base.preference)
 
 
@@ -90,8 +102,8 @@ def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell])
     world = draw_world(3, "c", 30, 4)
     starts = []
     for seed in (0, 1):
-        policy = Fixed(cell.model, 0)
-        run_trial(cell.model, cell.initial, policy, 30, world, np.random.default_rng(seed))
+        policy = Fixed(0)
+        run_trial(cell.situation, policy, "prior", 30, world, np.random.default_rng(seed))
         starts.append(policy.beliefs[-1].states)
     np.testing.assert_array_equal(*starts)
     planner, chance = (
@@ -106,14 +118,13 @@ def test_novices_choose_evenly_and_start_with_the_initial_probabilities(cells: l
     from scipy.stats import binomtest, chisquare
 
     cell = next(cell for cell in cells if cell.condition == "multiple_novice")
-    model = cell.model
-    after = np.array([model.next_fatigue(state, 0) for state in cell.initial.states])  # start, preference, entry
-    costs = model.cost(after)
+    one = cell.situation
+    costs = np.array([[-one.model.after(state, 0, u)[1] for u in range(2)] for state in one.states])
     assert len(set(costs.ravel())) == costs.size  # the cost tells which start and preference it was
     seen = np.zeros(costs.shape, dtype=int)
     for trial in range(3000):
         world = draw_world(2023, cell.condition, 1, trial)
-        result = run_trial(model, cell.initial, Fixed(model, 0), 1, world, np.random.default_rng(0))
+        result = run_trial(one, Fixed(0), "prior", 1, world, np.random.default_rng(0))
         seen[costs == result.final_cost] += 1
     assert seen.sum() == 3000
     assert binomtest(int(seen[:, 0].sum()), 3000).pvalue > 1e-6
@@ -121,10 +132,18 @@ def test_novices_choose_evenly_and_start_with_the_initial_probabilities(cells: l
 
 
 def test_what_is_deterministic_is_run_once(cells: list[Cell]) -> None:
+    from dataclasses import replace
+
     runs = {cell.name: len(cell.trial_numbers()) for cell in cells}
     assert runs["single_expert/5/greedy"] == runs["single_expert/5/search"] == 1
     assert runs["single_expert/5/random"] == runs["single_novice/5/greedy"] == runs["multiple_novice/2/search"] == 12
     search = next(cell for cell in cells if cell.name == "single_expert/5/search")
+    for settings, expected in (
+        (LookaheadSettings(kind="lookahead", depth=2), 1),
+        (LookaheadSettings(kind="lookahead", depth=2, leaf_value="random_rollout"), 12),
+        (SEARCH.model_copy(update={"descents": None, "seconds": 0.1}), 12),
+    ):
+        assert len(replace(search, settings=settings).trial_numbers()) == expected
     outcomes = {tuple(vars(r).values())[:3] for r in run_cell(search, range(5)).values()}
     assert len(outcomes) == 1
 
@@ -165,25 +184,34 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
     from dataclasses import replace
 
     cell = cells[0]
+    one = cell.situation
+    model = one.model
+    maps = model.arrays
+    situations = [
+        replace(one, model=replace(model, discount=0.9)),
+        replace(one, model=model.for_workers(one_worker(1.0))),
+        replace(one, model=replace(model, arrays=maps._replace(gain=maps.gain * 0.999))),
+        replace(one, states=one.states + 0.1),
+    ]
     others = [
         replace(cell, seed=8), replace(cell, n_cycles=3), replace(cell, policy="p"), replace(cell, condition="c"),
         replace(cell, settings=SEARCH), replace(cell, settings=SEARCH.model_copy(update={"descents": 61})),
-        replace(cell, model=replace(cell.model, discount=0.9)), replace(cell, model=replace(cell.model, expertise=1.0)),
-        replace(cell, model=replace(cell.model, gain=cell.model.gain * 0.999)),
+        *(replace(cell, situation=other) for other in situations),
     ]  # fmt: skip
-    assert len({cell.digest(), *(other.digest() for other in others)}) == 10
+    assert len({cell.digest(), *(other.digest() for other in others)}) == 1 + len(others)
     assert replace(cell, trials=99).digest() == cell.digest()
 
 
-@pytest.mark.parametrize("damage", ["{", '{"sha256": "0"}', "[]", ""])
-def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path, damage: str) -> None:
+def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path) -> None:
     run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
     part = sorted(tmp_path.glob("*/*.json"))[0]
     intact = json.loads(part.read_text())["trials"]
-    part.write_text(damage)
-    results, warnings = run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
-    assert len(warnings) == 1 and "set aside" in warnings[0] and part.with_suffix(".damaged-1").exists()
-    assert results[0][0].discounted_return == intact[0]["discounted_return"]
+    for count, damage in enumerate(("{", '{"sha256": "0"}', "[]", ""), start=1):
+        part.write_text(damage)
+        results, warnings = run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+        assert len(warnings) == 1 and "set aside" in warnings[0]
+        assert part.with_suffix(f".damaged-{count}").exists()
+        assert results[0][0].discounted_return == intact[0]["discounted_return"]
 
 
 def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Path) -> None:

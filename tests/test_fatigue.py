@@ -1,12 +1,14 @@
 """The fatigue model: the exact cycle map against direct integration of Eq. 2, and its properties."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.cycle_map import cycle_map, loads
+from fatigue_planner.fatigue.cycle_map import CycleMap, cycle_profile, loads
 from fatigue_planner.fatigue.parameters import (
     ENTRIES,
     FatigueParameters,
@@ -21,6 +23,10 @@ from fatigue_planner.reactions.reaction import Reaction
 @pytest.fixture(scope="module")
 def parameters(paper: Experiment) -> FatigueParameters:
     return fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
+
+
+def cycle_map(torque_nm: np.ndarray, time_step_s: float, parameters: FatigueParameters) -> CycleMap:
+    return cycle_profile(torque_nm, time_step_s, parameters).cycle_map()
 
 
 def integrate(torque_nm: np.ndarray, dt: float, parameters: FatigueParameters, fatigue: np.ndarray) -> np.ndarray:
@@ -107,6 +113,24 @@ def test_map_does_not_depend_on_the_sampling(parameters: FatigueParameters) -> N
     fine = cycle_map(np.repeat(torque, 8, axis=0), 0.1 / 8, parameters)
     np.testing.assert_allclose(coarse.gain, fine.gain, rtol=1e-12)
     np.testing.assert_allclose(coarse.offset, fine.offset, atol=1e-13)
+
+
+def test_factors_on_the_rates_give_the_maps_of_workers_with_these_rates(
+    reactions: tuple[Reaction, ...], parameters: FatigueParameters
+) -> None:
+    """A profile with factors on k and R equals the profile of a worker whose k and R are so; many at once."""
+    fatigue_factors, recovery_factors = np.array([[0.5], [2.0]]), np.array([0.3, 1.0, 1.7])
+    for reaction in reactions:
+        motion = reaction.motion
+        profile = cycle_profile(motion.torque_nm, motion.time_step_s, parameters)
+        gain, offset = profile.maps(fatigue_factors, recovery_factors)
+        assert gain.shape == offset.shape == (2, 3, 78)
+        for i, k in enumerate(fatigue_factors[:, 0]):
+            for j, R in enumerate(recovery_factors):
+                rates = {"fatigue_rate": k * parameters.fatigue_rate, "recovery_rate": R * parameters.recovery_rate}
+                other = replace(parameters, **rates)
+                exact = integrate(motion.torque_nm, motion.time_step_s, other, np.full(78, 0.3))
+                np.testing.assert_allclose(0.3 * gain[i, j] + offset[i, j], exact, atol=1e-9, rtol=0)
 
 
 def test_names_of_fatigue_reach_their_entries() -> None:

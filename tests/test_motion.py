@@ -402,15 +402,15 @@ def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
     from dataclasses import replace
 
     from fatigue_planner.experiment.resolve import worker_fatigue
-    from fatigue_planner.fatigue.cycle_map import cycle_map
+    from fatigue_planner.fatigue.cycle_map import cycle_profile
 
     parameters = worker_fatigue(paper)["average_man"]
     step = paper.controller.time_step_s / 2
     for request, reaction in zip(reaction_requests(paper), reactions, strict=True):
         finer = replace(request.motion, controller=paper.controller.model_copy(update={"time_step_s": step}))
         motion = simulate(finer)
-        ours = cycle_map(reaction.motion.torque_nm, 2 * step, parameters)
-        theirs = cycle_map(motion.torque_nm, step, parameters)
+        ours = cycle_profile(reaction.motion.torque_nm, 2 * step, parameters).cycle_map()
+        theirs = cycle_profile(motion.torque_nm, step, parameters).cycle_map()
         assert np.abs(ours.gain - theirs.gain).max() < 0.01 * theirs.gain.max()
         assert np.abs(ours.offset - theirs.offset).max() < 0.01 * theirs.offset.max()
         order = np.log2(reaction.quality.energy_error_share / measure(finer, motion).energy_error_share)

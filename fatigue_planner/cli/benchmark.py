@@ -10,6 +10,7 @@ import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, REGRET_FILE, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
@@ -24,6 +25,7 @@ from fatigue_planner.cli.options import (
     ResultsFolder,
     choose,
     command_line,
+    counter,
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
@@ -36,6 +38,7 @@ from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import ReactionName, digests
 from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
 from fatigue_planner.statistics.summary import summary_text
 
@@ -55,6 +58,10 @@ def benchmark(
     seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
     regret: Annotated[
         bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
+    ] = False,
+    bound: Annotated[
+        bool,
+        typer.Option("--bound", help="Also compute a cost that no policy can beat."),
     ] = False,
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
@@ -82,6 +89,13 @@ def benchmark(
     if regret:
         summary += "\n" + _regret_summary(cells, table)
         files.append(REGRET_FILE)
+    if bound:
+        gaps = gap_table(comparison, _run_bounds(cells, results / settings.name / "bounds", jobs))
+        publish_bounds(folder, gaps)
+        summary += "\n" + gap_text(gaps)
+        files.append(BOUNDS_FILE)
+    else:
+        (folder / BOUNDS_FILE).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
@@ -113,7 +127,7 @@ def _changed(experiment: Experiment, wanted: Selection) -> Experiment:
     chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), wanted.policies)}
     if wanted.descents is not None:
         chosen_policies = {
-            name: policy.model_copy(update={"descents": wanted.descents})
+            name: policy.model_copy(update={"descents": wanted.descents, "seconds": None})
             if isinstance(policy, PomcpSettings)
             else policy
             for name, policy in chosen_policies.items()
@@ -164,6 +178,13 @@ def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]
 def _regret_summary(cells: Sequence[Cell], table: pd.DataFrame) -> str:
     references = {cell.condition: describe(cell.reference) for cell in cells if cell.reference is not None}
     return regret_text(regret_table(table), references)
+
+
+def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:
+    with counter(talk()) as bar:
+        places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
+        task = bar.add_task("Bounding the least cost", total=len(places))
+        return run_bounds(cells, writable_folder(store), jobs, lambda: bar.advance(task))
 
 
 def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:

@@ -90,8 +90,10 @@ def _describe(fault: ErrorDetails) -> str:
 def _place(location: tuple[int | str, ...]) -> str:
     """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
     parts = [str(part) for part in location]
-    if parts[:2] == ["benchmark", "policies"]:
-        del parts[3:4]
+    if parts[:2] == ["benchmark", "policies"] or parts[:1] == ["hidden_workers"]:
+        del parts[3:4]  # benchmark.policies.<name>.<kind>..., hidden_workers.<name>.<parameter>.<kind>...
+    if parts[:1] == ["belief"]:
+        del parts[1:2]
     # preferences.<name>.tasks.<number>.<kind>..., actions.<name>.loads.<number>.<kind>...
     if (parts[0:1], parts[2:3]) in ((["preferences"], ["tasks"]), (["actions"], ["loads"])):
         del parts[4:5]

@@ -1,5 +1,6 @@
 """The content of an experiment file."""
 
+import math
 from typing import Annotated, Self
 
 import numpy as np
@@ -12,7 +13,7 @@ from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
-from fatigue_planner.pomdp.beliefs.registry import BeliefSettings
+from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.settings import Settings
 
@@ -148,8 +149,12 @@ class Experiment(Settings):
             if self.recognition is not None:
                 raise ValueError("belief.kind: exact needs reactions recognised without error; use particles")
             for name, hidden in self.hidden_workers.items():
-                if not WorkerPrior(hidden, 0.0).is_finite:
-                    raise ValueError(f"belief.kind: exact needs finitely many workers in hidden_workers.{name}")
+                size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
+                if size > MOST_EXACT:
+                    raise ValueError(
+                        f"belief.kind: exact can hold {MOST_EXACT} workers, in hidden_workers.{name} there are "
+                        f"{'infinitely many' if math.isinf(size) else size}; use particles"
+                    )
         return self
 
     def recognised(self) -> tuple[tuple[str, ...], NDArray[np.float64]]:

@@ -51,6 +51,6 @@ class LookaheadPolicy(Policy):
         levels = self._levels
         levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, bound_arrays, *self._tables)
-        self._kernel(model.arrays, levels, self._room, numbers, rng)
+        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, *self._tables)
+        self._kernel(model.arrays, bound_arrays, levels, self._room, numbers, rng)
         return np.asarray(levels.values[0].copy())

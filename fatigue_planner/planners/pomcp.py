@@ -29,6 +29,7 @@ class PomcpPolicy(Policy):
         self.draws_at_random = settings.seconds is not None  # how far it comes in a time differs from run to run
         self._tree: Tree | None = None
         self._spare: Tree | None = None
+        self._kept = False  # whether the tree is what observe kept for this decision
         self._room: Room | None = None
         self._tables = tables(0)
         self._model: Pomdp | None = None
@@ -51,17 +52,16 @@ class PomcpPolicy(Policy):
     def observe(self, action: int, observation: int) -> None:
         """With reuse, what follows of the tree becomes the next one."""
         tree = self._tree
-        if tree is None:
+        if tree is None or not self.settings.reuse_tree:
             return
         node = int(tree.nodes["child"][0, action, observation])
-        if not self.settings.reuse_tree or node == UNVISITED:
-            clear(tree)
+        if node == UNVISITED:
             return
         if self._spare is None or self._spare.nodes.size < tree.nodes.size:
             self._spare = new_tree(tree.nodes.size, tree.nodes.dtype)
         clear(self._spare)
         graft(tree, node, self._spare)
-        self._tree, self._spare = self._spare, tree
+        self._tree, self._spare, self._kept = self._spare, tree, True
 
     def tree(self, belief: Belief, rng: np.random.Generator, begin: float) -> Tree:
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
@@ -69,8 +69,9 @@ class PomcpPolicy(Policy):
         if model is not self._model:
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
-        if not settings.reuse_tree and self._tree is not None:
+        if self._tree is not None and not self._kept:
             clear(self._tree)
+        self._kept = False
         self._depth = 0
         if settings.descents is not None:
             return self._grow(belief, settings.descents, rng)
@@ -82,8 +83,10 @@ class PomcpPolicy(Policy):
         tree, room = self._memory(belief, descents)
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(constant, model.discount, settings.rollout_cycles, bound_arrays, *self._tables)
-        depth = self._kernel(model.arrays, belief.states, belief.weights, tree, room, descents, numbers, rng)
+        numbers = Numbers(constant, model.discount, settings.rollout_cycles, *self._tables)
+        depth = self._kernel(
+            model.arrays, bound_arrays, belief.states, belief.weights, tree, room, descents, numbers, rng
+        )
         self._depth = max(self._depth, depth)
         return tree
 

@@ -21,7 +21,7 @@ def reference_for(belief: Belief) -> LookaheadSettings:
     model = belief.model
     assert isinstance(model, FatiguePomdp)
     actions, outcomes = len(model.actions), len(model.outcomes)
-    if model.arrays.even:
+    if model.arrays.even and model.discount < 1:
         leaf_value, leaf = "bound", len(cyclic_plans(actions))
     else:
         leaf_value, leaf = "greedy_rollout", ROLLOUT_CYCLES * (actions + 1) * outcomes

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import inlined
+from fatigue_planner.errors import ExperimentError
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Plans of up to so many cycles, as long as there are at most MOST_PLANS of them.
+# Plans of up to so many cycles; of several only where there are at most MOST_PLANS of that length.
 LONGEST_PLAN = 6
 MOST_PLANS = 1000
 
@@ -32,27 +33,29 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     """All plans from every starting point, without those that only repeat a shorter one."""
     plans: list[tuple[int, ...]] = []
     for length in range(1, LONGEST_PLAN + 1):
-        longer = [
+        if length > 1 and actions**length > MOST_PLANS:
+            break
+        plans += [
             plan
             for plan in itertools.product(range(actions), repeat=length)
             if not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
         ]
-        if length > 1 and len(plans) + len(longer) > MOST_PLANS:
-            break
-        plans += longer
     return plans
 
 
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
     """The discounted returns of all cyclic plans worth considering, reactions being equally likely.
 
-    gain, offset (M, A, U, L): cycle maps; discount < 1. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
+    gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
     and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
         A <- mean (gamma A - 1 / 2N) g^2
         B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
         C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
     Backwards through a whole plan each is an affine map of itself, whose fixed point is the plan's value.
+    Raises ExperimentError without a discount below 1.
     """
+    if discount >= 1:
+        raise ExperimentError("leaf value bound: plans for ever have no value without a discount below 1.")
     plans = cyclic_plans(gain.shape[1])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
     found: list[tuple[Array, Array, Array]] = []

@@ -214,8 +214,9 @@ class FatiguePomdp(Pomdp):
         return replace(self, arrays=arrays, workers=workers)
 
     def _rows(self, table: Array) -> Array:
-        rows = table[..., self.live].reshape(-1, self.live.size)
-        return aligned(np.pad(rows, [(0, 0), (0, -self.live.size % LANES)]))
+        rows = np.zeros((table[..., 0].size, self.live.size + -self.live.size % LANES))  # in C order, read row by row
+        rows[:, : self.live.size] = table[..., self.live].reshape(len(rows), -1)
+        return aligned(rows)
 
 
 def build_pomdp(

@@ -1,11 +1,12 @@
 """What may be hidden of a worker: the speed of tiring and recovering, and the expertise (paper, section VI)."""
 
 import itertools
+import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from fatigue_planner.pomdp.fatigue_model import Workers
 from fatigue_planner.settings import Settings
@@ -13,6 +14,7 @@ from fatigue_planner.settings import Settings
 Vector = NDArray[np.float64]
 # Chances of values must sum to 1 within this.
 ROUNDING = 1e-9
+LARGEST_FACTOR = 1000
 
 
 class Choice(Settings):
@@ -34,8 +36,12 @@ class Choice(Settings):
         """The values at these shares of the distribution, in the order of the values' size."""
         order = np.argsort(self.values)
         ends = np.cumsum(np.array(self.probabilities)[order])
-        place = np.minimum(np.searchsorted(ends - ROUNDING, uniform), order.size - 1)
+        place = np.minimum(np.searchsorted(ends, uniform, side="right"), order.size - 1)
         return np.array(self.values)[order][place]
+
+    def bounds(self) -> tuple[float, float]:
+        """The smallest and the largest value the settings name."""
+        return min(self.values), max(self.values)
 
 
 class LogNormal(Settings):
@@ -43,13 +49,17 @@ class LogNormal(Settings):
 
     kind: Literal["lognormal"]
     median: float = Field(gt=0)
-    sigma: float = Field(gt=0)
+    sigma: float = Field(gt=0, le=10)
 
     def quantile(self, uniform: Vector) -> Vector:
         """The values at these shares of the distribution."""
         from scipy.special import ndtri  # noqa: PLC0415 - takes 0.2 s
 
         return np.asarray(self.median * np.exp(self.sigma * ndtri(uniform)))
+
+    def bounds(self) -> tuple[float, float]:
+        """The smallest and the largest value the settings name."""
+        return self.median, self.median
 
 
 class Uniform(Settings):
@@ -59,12 +69,33 @@ class Uniform(Settings):
     first: float = Field(alias="from", ge=0)
     last: float = Field(alias="to", ge=0)
 
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.first >= self.last:
+            raise ValueError(f"from ({self.first:g}) should be less than to ({self.last:g})")
+        return self
+
     def quantile(self, uniform: Vector) -> Vector:
         """The values at these shares of the distribution."""
         return np.asarray(self.first + (self.last - self.first) * uniform)
 
+    def bounds(self) -> tuple[float, float]:
+        """The smallest and the largest value the settings name."""
+        return self.first, self.last
+
 
 Distribution = Annotated[Choice | LogNormal | Uniform, Field(discriminator="kind")]
+
+
+def _usable_factor(distribution: Choice | LogNormal | Uniform) -> Choice | LogNormal | Uniform:
+    smallest, largest = distribution.bounds()
+    if smallest <= 0 or largest > LARGEST_FACTOR:
+        wrong = smallest if smallest <= 0 else largest
+        raise ValueError(f"{wrong:g} is no factor of a rate: above 0, {LARGEST_FACTOR} at most")
+    return distribution
+
+
+Factor = Annotated[Distribution, AfterValidator(_usable_factor)]
 KNOWN_FACTOR = Choice(kind="choice", values=(1.0,), probabilities=(1.0,))
 
 
@@ -75,12 +106,12 @@ class HiddenWorker(Settings):
     expertise: beta of Eq. 4; where it is left out, the condition gives it.
     """
 
-    fatigue_rate_factor: Distribution = KNOWN_FACTOR
-    recovery_rate_factor: Distribution = KNOWN_FACTOR
+    fatigue_rate_factor: Factor = KNOWN_FACTOR
+    recovery_rate_factor: Factor = KNOWN_FACTOR
     expertise: Distribution | None = None
 
     def distributions(self, expertise: float | None) -> tuple[Distribution, Distribution, Distribution]:
-        """The three distributions; a known expertise is a choice of one."""
+        """The distributions in the order of Workers; a known expertise is a choice of one."""
         if self.expertise is None:
             assert expertise is not None
             known = Choice(kind="choice", values=(expertise,), probabilities=(1.0,))
@@ -95,9 +126,13 @@ class WorkerPrior:
         self.distributions = hidden.distributions(expertise)
 
     @property
-    def is_finite(self) -> bool:
-        """Whether finitely many workers may be meant."""
-        return all(isinstance(distribution, Choice) for distribution in self.distributions)
+    def size(self) -> float:
+        """How many workers may be meant; infinitely many where a distribution is continuous."""
+        return math.prod(len(d.values) if isinstance(d, Choice) else math.inf for d in self.distributions)
+
+    def hidden(self) -> list[int]:
+        """Which of the parameters of Workers are not known."""
+        return [i for i, d in enumerate(self.distributions) if not (isinstance(d, Choice) and len(d.values) == 1)]
 
     def support(self) -> tuple[Workers, Vector]:
         """All workers that may be meant, and their probabilities, where they are finitely many."""
@@ -109,6 +144,6 @@ class WorkerPrior:
         return Workers(*values.T.copy()), weights / weights.sum()
 
     def at(self, uniforms: NDArray[np.float64]) -> Workers:
-        """The workers at shares (n, 3) of the three distributions; 0.5 is the average worker."""
+        """The workers at shares (n, 3) of the distributions; 0.5 is the median, the average worker."""
         columns = zip(self.distributions, np.asarray(uniforms).T, strict=True)
         return Workers(*(distribution.quantile(column) for distribution, column in columns))

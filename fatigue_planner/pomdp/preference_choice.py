@@ -15,6 +15,7 @@ def relative_chance(excess: float, expertise: float) -> float:
     """How much rarer than the cheapest a preference is chosen that costs so much more: exp(-beta excess).
 
     Stable for every expertise beta from 0 (all are equal) to infinity (the cheapest only, ties shared equally).
+    math.exp is the same function compiled and not; numpy's may differ in the last bit.
     """
     if excess == 0 or expertise == 0:
         return 1.0

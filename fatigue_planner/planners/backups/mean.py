@@ -4,12 +4,12 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import inlined
+from fatigue_planner.compiled import inlined, inlined_for_any_problem
 from fatigue_planner.planners.search.descent import Node
 from fatigue_planner.planners.search.numbers import Numbers, Room
 
 
-@inlined
+@inlined_for_any_problem
 def expect_nothing(_arrays: Any, _node: Node, _action: int, _room: Room, _certain: bool) -> None:
     """A backup by sampled rewards needs nothing beforehand."""
 

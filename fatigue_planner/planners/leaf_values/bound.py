@@ -13,6 +13,8 @@ def bound(bound_arrays: Any, state: Vector) -> float:
     raise NotImplementedError
 
 
-def problem_bound(_arrays: Any, room: Room, numbers: Numbers, _actions: int, _rng: np.random.Generator) -> float:
+def problem_bound(
+    _arrays: Any, bound_arrays: Any, room: Room, _numbers: Numbers, _actions: int, _rng: np.random.Generator
+) -> float:
     """Template: the problem's bound of the state's value."""
-    return bound(numbers.bound_arrays, room.state)
+    return bound(bound_arrays, room.state)

@@ -8,7 +8,9 @@ from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.pomdp.problem import expected_reward, step
 
 
-def greedy_rollout(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+def greedy_rollout(
+    arrays: Any, _bound_arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator
+) -> float:
     """Template: the discounted return of some greedy cycles; `room.state` is used up.
 
     The rollout knows the sampled state, which a policy would not.

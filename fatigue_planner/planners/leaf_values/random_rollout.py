@@ -8,7 +8,9 @@ from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.pomdp.problem import step
 
 
-def random_rollout(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+def random_rollout(
+    arrays: Any, _bound_arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator
+) -> float:
     """Template: the discounted return of some cycles with random actions; `room.state` is used up."""
     gained, weight = 0.0, 1.0
     for _ in range(numbers.rollout_cycles):

@@ -27,7 +27,9 @@ def expect(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> N
     raise NotImplementedError
 
 
-def leaf_value(arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator) -> float:
+def leaf_value(
+    arrays: Any, bound_arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator
+) -> float:
     """Stands for the value of a new leaf, whose state is `room.state`."""
     raise NotImplementedError
 
@@ -48,6 +50,7 @@ def note_return(node: Node, gained: float) -> None:
 
 def grow(
     arrays: Any,
+    bound_arrays: Any,
     states: Array,
     weights: Vector,
     tree: Tree,
@@ -83,7 +86,7 @@ def grow(
             if here == UNVISITED:
                 node.child[action, observation] = used
                 break
-        gained = leaf_value(arrays, room, numbers, node.value.size, rng)
+        gained = leaf_value(arrays, bound_arrays, room, numbers, node.value.size, rng)
         nodes[used].visited = 1
         nodes[used].best = gained
         used += 1

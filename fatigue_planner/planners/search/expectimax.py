@@ -53,7 +53,9 @@ def new_levels(states: int, width: int, depth: int, outcomes: int, actions: int,
     )
 
 
-def best_return(arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: np.random.Generator) -> float:
+def best_return(
+    arrays: Any, bound_arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: np.random.Generator
+) -> float:
     """Template: the best expected return from the weighted states of level 0, by full enumeration.
 
         V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
@@ -92,7 +94,7 @@ def best_return(arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: 
         if last:
             for place in range(levels.begin[depth], levels.begin[depth] + reached):
                 leaf = Room(levels.states[place], room.moved, room.probabilities, *room[3:])
-                value = leaf_value(arrays, leaf, numbers, actions, rng)
+                value = leaf_value(arrays, bound_arrays, leaf, numbers, actions, rng)
                 values[action] += numbers.discount * levels.weights[place] * value
         elif reached > 0:
             level += 1

@@ -1,6 +1,6 @@
 """The numbers and the working memory of a search."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,6 @@ class Numbers(NamedTuple):
     exploration_constant: float
     discount: float
     rollout_cycles: int
-    bound_arrays: Any
     root_log: Vector
     inverse_root: Vector
     inverse: Vector

@@ -35,8 +35,8 @@ class Tree(NamedTuple):
     size: NDArray[np.int64]
 
     def column(self, name: str) -> NDArray[Any]:
-        """One field of the nodes in use, (size, ...)."""
-        return np.asarray(self.nodes[: self.size[0]][name])
+        """One field of the nodes in use: (size, ...)."""
+        return np.asarray(self.nodes[name][: self.size[0]])
 
 
 def node_type(actions: int, observations: int, with_chances: bool, with_spread: bool) -> np.dtype[Any]:

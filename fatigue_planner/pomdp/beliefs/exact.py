@@ -12,6 +12,10 @@ from fatigue_planner.compiled import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
 
+# No state that remains possible is forgotten, however unlikely: should the others turn out impossible, it is
+# what is left.
+LEAST_WEIGHT = 1e-300
+
 
 @dataclass(frozen=True)
 class ExactBelief(Belief):
@@ -27,7 +31,7 @@ class ExactBelief(Belief):
         """
         kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
-            states, weights = kernel(
+            states, log_weights = kernel(
                 self.model.arrays,
                 self.states,
                 self.weights,
@@ -37,8 +41,9 @@ class ExactBelief(Belief):
                 trust_outcome,
                 trust_observation,
             )
-            if weights.size:
+            if log_weights.size:
                 break
+        weights = np.maximum(np.exp(log_weights - log_weights.max()), LEAST_WEIGHT)
         if weights.size > self.weights.size:
             states, place = np.unique(states, axis=0, return_inverse=True)
             weights = np.bincount(place.ravel(), weights)
@@ -58,13 +63,10 @@ def bayes(
     trust_outcome: bool,
     trust_observation: bool,
 ) -> tuple[Array, Vector]:
-    """Template: the states that remain possible (m, L), and their weights (m,), not normalised.
-
-    Weights so small that they vanish beside the largest are kept; only 0 is dropped.
-    """
+    """Template: the states that remain possible (m, L), and their log weights (m,), not normalised."""
     probabilities = np.empty(outcomes)
     moved = np.empty((weights.size * outcomes, states.shape[1]))
-    likelihood = np.empty(weights.size * outcomes)
+    log_weights = np.empty(weights.size * outcomes)
     kept = 0
     for i in range(weights.size):
         outcome_probabilities(arrays, states[i], action, probabilities)
@@ -74,7 +76,7 @@ def bayes(
             advance(arrays, moved[kept], action, outcome)
             if trust_observation:
                 probability *= observation_probability(arrays, moved[kept], action, outcome, observation)
-            likelihood[kept] = weights[i] * probability
-            if likelihood[kept] > 0:
+            if weights[i] > 0 and probability > 0:
+                log_weights[kept] = np.log(weights[i]) + np.log(probability)
                 kept += 1
-    return moved[:kept].copy(), likelihood[:kept].copy()
+    return moved[:kept].copy(), log_weights[:kept].copy()

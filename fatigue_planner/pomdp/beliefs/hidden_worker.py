@@ -1,12 +1,12 @@
 """The particle filter over fatigue and the worker's hidden parameters."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import compiled
-from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
+from fatigue_planner.pomdp.beliefs.particles import LEAST_PROBABILITY, History, ParticleBelief
 from fatigue_planner.pomdp.fatigue_model import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 
@@ -14,59 +14,80 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 
+# Proposals change a worker's share of a distribution by up to half of it, or by as little as this times that:
+# the sizes are spread evenly over the orders of magnitude, so some fit however much is known.
+SMALLEST_STEP = 1e-3
+
+
 @dataclass(frozen=True)
 class HiddenWorkerBelief(ParticleBelief):
-    """Particles that each have a worker of their own; particle i's is number i of the model."""
+    """Particles that each have a worker of their own, whose number in the model their states hold.
 
-    prior: WorkerPrior | None = None
+    shares (n, 3): where the model's workers are in the prior's distributions, between 0 and 1
+    """
+
+    model: FatiguePomdp
+    shares: Array = field(kw_only=True)
+    prior: WorkerPrior = field(kw_only=True)
+    history: History = field(kw_only=True)
 
     @staticmethod
     def start(model: FatiguePomdp, states: Array, prior: WorkerPrior, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Equally likely states (n, L), each with a worker drawn from the prior."""
-        workers = prior.at(rng.random((len(states), len(Workers._fields))))
+        count = len(states)
+        shares = rng.random((count, len(Workers._fields)))
         numbered = states.copy()
-        numbered[:, -1] = np.arange(len(states))
-        plain = ParticleBelief.begin(model.for_workers(workers), numbered)
-        return HiddenWorkerBelief(plain.model, plain.states, plain.weights, history=plain.history, prior=prior)
+        numbered[:, -1] = np.arange(count)
+        return HiddenWorkerBelief(
+            model.for_workers(prior.at(shares)),
+            numbered,
+            np.full(count, 1 / count),
+            log_weights=np.zeros(count),
+            shares=shares,
+            prior=prior,
+            history=History.begin(numbered),
+        )
+
+    def workers(self) -> Workers:
+        """Every particle's worker, (n,)."""
+        return self.model.workers.pick(self.states[:, -1].astype(np.intp))
 
     def rejuvenated(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior as it is.
 
-        One parameter after the other is proposed from its prior, and accepted with the ratio of the
-        likelihoods of the particle's past outcomes (Metropolis-Hastings; the prior cancels out). The fatigue
-        is then what that worker's past comes to.
+        One hidden parameter after the other takes a random step along its distribution, round its ends, and
+        keeps it with the ratio of the likelihoods of the particle's past outcomes (Metropolis-Hastings: as
+        shares are distributed evenly, the prior cancels out). The fatigue is then what that worker's past
+        comes to.
         """
-        model, history = self.model, self.history
-        assert isinstance(model, FatiguePomdp) and history is not None and self.prior is not None
-        count = len(self.states)
-        own = np.arange(count)
-        workers = model.workers.pick(self.states[:, -1].astype(np.intp))
+        history, count = self.history, len(self.states)
+        states, log_likelihood = self.states.copy(), history.log_likelihood
+        shares = self.shares[states[:, -1].astype(np.intp)]
         start = history.start.copy()
-        start[:, -1] = own
-        now = model.for_workers(workers)
-        states, log_likelihood = _replay(now, start, history.actions, history.outcomes)
-        for name in Workers._fields:
-            proposal = self.prior.at(rng.random((count, len(Workers._fields))))
-            tried = workers._replace(**{name: getattr(proposal, name)})
-            moved, likelihood = _replay(model.for_workers(tried), start, history.actions, history.outcomes)
-            with np.errstate(invalid="ignore"):  # -inf - -inf: a past impossible for both stays as it is
-                accepted = np.log(rng.random(count)) < likelihood - log_likelihood
-            workers = Workers(*(np.where(accepted, new, old) for new, old in zip(tried, workers, strict=True)))
+        start[:, -1] = states[:, -1] = np.arange(count)
+        for column in self.prior.hidden():
+            step = SMALLEST_STEP ** rng.random(count) * (rng.random(count) - 0.5)
+            tried = shares.copy()
+            tried[:, column] = (shares[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
+            moved = start.copy()
+            arrays = self.model.for_workers(self.prior.at(tried)).arrays
+            likelihood = relive(arrays, moved, history.actions, history.outcomes, len(self.model.outcomes))
+            accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
+            shares = np.where(accepted[:, None], tried, shares)
             states = np.where(accepted[:, None], moved, states)
             log_likelihood = np.where(accepted, likelihood, log_likelihood)
-        return replace(self, model=model.for_workers(workers), states=states, history=replace(history, start=start))
-
-
-def _replay(
-    model: FatiguePomdp, start: Array, actions: NDArray[np.int64], outcomes: NDArray[np.int64]
-) -> tuple[Array, Vector]:
-    states = start.copy()
-    return states, relive(model.arrays, states, actions, outcomes, len(model.outcomes))
+        return replace(
+            self,
+            model=self.model.for_workers(self.prior.at(shares)),
+            shares=shares,
+            states=states,
+            history=replace(history, start=start, log_likelihood=log_likelihood),
+        )
 
 
 @compiled
 def relive(
-    arrays: FatigueArrays, states: Array, actions: NDArray[np.int64], outcomes: NDArray[np.int64], n_outcomes: int
+    arrays: FatigueArrays, states: Array, actions: NDArray[np.int64], outcomes: NDArray[np.int16], n_outcomes: int
 ) -> Vector:
     """Take states (n, L) in place through actions (t,) and outcomes (n, t); log of the outcomes' probability (n,)."""
     log_likelihood = np.zeros(len(states))
@@ -74,6 +95,6 @@ def relive(
     for i in range(len(states)):
         for t in range(actions.size):
             preference_probabilities(arrays, states[i], actions[t], probabilities)
-            log_likelihood[i] += np.log(probabilities[outcomes[i, t]])
+            log_likelihood[i] += np.log(max(probabilities[outcomes[i, t]], LEAST_PROBABILITY))
             react(arrays, states[i], actions[t], outcomes[i, t])
     return log_likelihood

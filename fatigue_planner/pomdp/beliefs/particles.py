@@ -1,6 +1,6 @@
 """The particle filter, for beliefs that no finite set can hold."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,42 +18,61 @@ from fatigue_planner.pomdp.problem import (
 
 # Resample where fewer than this share of the particles would carry the belief (the usual choice).
 LEAST_EFFECTIVE_SHARE = 0.5
+# An outcome a particle held impossible, but that was seen, counts in its past as one as unlikely as this.
+LEAST_PROBABILITY = 1e-300
 
 
 @dataclass(frozen=True)
 class History:
-    """What a particle filter remembers: actions (t,), and of each particle its start (n, L) and outcomes (n, t)."""
+    """What of the past rejuvenation needs.
+
+    start (n, L): where each particle began; actions (t,); outcomes (n, t); log_likelihood (n,): the log of
+    the outcomes' probability
+    """
 
     start: Array
     actions: NDArray[np.int64]
-    outcomes: NDArray[np.int64]
+    outcomes: NDArray[np.int16]
+    log_likelihood: Vector
 
-    def then(self, action: int, outcomes: NDArray[np.int64]) -> "History":
-        """One more cycle."""
-        return History(self.start, np.append(self.actions, action), np.column_stack([self.outcomes, outcomes]))
+    @staticmethod
+    def begin(states: Array) -> "History":
+        """Nothing happened yet."""
+        count = len(states)
+        return History(states, np.zeros(0, np.int64), np.zeros((count, 0), np.int16), np.zeros(count))
+
+    def then(self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector) -> "History":
+        """One more cycle; log_likelihood is that of its outcomes alone."""
+        return History(
+            self.start,
+            np.append(self.actions, action),
+            np.column_stack([self.outcomes, outcomes]),
+            self.log_likelihood + log_likelihood,
+        )
 
     def pick(self, chosen: NDArray[np.intp]) -> "History":
         """The past of some of the particles."""
-        return History(self.start[chosen], self.actions, self.outcomes[chosen])
+        return History(self.start[chosen], self.actions, self.outcomes[chosen], self.log_likelihood[chosen])
 
 
 @dataclass(frozen=True)
 class ParticleBelief(Belief):
-    """Particles with log weights (n,); `weights` are these, normalised.
+    """Particles with log weights (n,), the largest 0; `weights` are what these stand for.
 
     As the likelihoods are known, an outcome is drawn from P(u | s, a, o) and the particle weighted by
     P(o | s, a) = sum over u of P(o | s', a, u) P(u | s, a): no particle is drawn against the observation.
+
+    history: kept where `rejuvenated` needs it.
     """
 
-    history: History | None = None
+    log_weights: Vector = field(kw_only=True)
+    history: History | None = field(default=None, kw_only=True)
 
     @staticmethod
     def begin(model: Pomdp, states: Array) -> "ParticleBelief":
         """Equally likely states (n, L)."""
         count = len(states)
-        nothing = np.zeros(0, np.int64)
-        history = History(states.copy(), nothing, np.zeros((count, 0), np.int64))
-        return ParticleBelief(model, states.copy(), np.full(count, 1 / count), history=history)
+        return ParticleBelief(model, states, np.full(count, 1 / count), log_weights=np.zeros(count))
 
     def effective_size(self) -> float:
         """Kong's effective sample size, 1 / sum of the squared weights."""
@@ -61,12 +80,11 @@ class ParticleBelief(Belief):
 
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "ParticleBelief":
         """See Belief.update; an impossible observation is met as by the exact belief."""
-        assert self.history is not None
         kernel = specialised(move_particles, **{name: self.model.parts[name] for name in PARTS})
         uniforms = rng.random(len(self.weights))
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states = self.states.copy()
-            outcomes, log_likelihood = kernel(
+            outcomes, log_outcome, log_likelihood = kernel(
                 self.model.arrays,
                 states,
                 action,
@@ -76,26 +94,33 @@ class ParticleBelief(Belief):
                 trust_observation,
                 uniforms,
             )
-            with np.errstate(divide="ignore"):
-                log_weights = np.log(self.weights) + log_likelihood
+            log_weights = self.log_weights + log_likelihood
             if np.isfinite(log_weights.max()):
                 break
-        weights = np.exp(log_weights - log_weights.max())
+        log_weights -= log_weights.max()
+        weights = np.exp(log_weights)
         surprised = not (trust_outcome and trust_observation)
-        history = self.history.then(action, outcomes)
-        belief = replace(self, states=states, weights=weights / weights.sum(), surprised=surprised, history=history)
-        if belief.effective_size() < LEAST_EFFECTIVE_SHARE * len(weights):
+        belief = replace(
+            self,
+            states=states,
+            weights=weights / weights.sum(),
+            log_weights=log_weights,
+            surprised=surprised,
+            history=self.history and self.history.then(action, outcomes, log_outcome),
+        )
+        if surprised or belief.effective_size() < LEAST_EFFECTIVE_SHARE * len(weights):
             return belief.resampled(rng)
         return belief
 
     def resampled(self, rng: np.random.Generator) -> "ParticleBelief":
-        """Equally weighted particles, drawn systematically, then rejuvenated by the model if it knows how."""
-        assert self.history is not None
+        """Equally weighted particles, drawn systematically, then rejuvenated."""
         count = len(self.weights)
-        places = (rng.random() + np.arange(count)) / count
-        chosen = np.minimum(np.searchsorted(np.cumsum(self.weights), places, side="right"), count - 1)
+        ends = np.cumsum(self.weights)
+        places = (rng.random() + np.arange(count)) / count * ends[-1]
+        chosen = np.minimum(np.searchsorted(ends, places, side="right"), np.flatnonzero(self.weights)[-1])
         equal = np.full(count, 1 / count)
-        belief = replace(self, states=self.states[chosen], weights=equal, history=self.history.pick(chosen))
+        history = self.history and self.history.pick(chosen)
+        belief = replace(self, states=self.states[chosen], weights=equal, log_weights=np.zeros(count), history=history)
         return belief.rejuvenated(rng)
 
     def rejuvenated(self, rng: np.random.Generator) -> "ParticleBelief":
@@ -115,21 +140,23 @@ def move_particles(
     trust_outcome: bool,
     trust_observation: bool,
     uniforms: Vector,
-) -> tuple[NDArray[np.int64], Vector]:
-    """Template: move every particle in place; its outcome (n,) and log P(o | s, a) (n,), -inf if impossible."""
+) -> tuple[NDArray[np.int16], Vector, Vector]:
+    """Template: move every particle in place.
+
+    Of each (n,): its outcome, log P(outcome | s, a), and log P(o | s, a), -inf if impossible.
+    """
     count = len(states)
-    chosen = np.zeros(count, np.int64)
-    log_likelihood = np.empty(count)
-    posterior = np.empty(outcomes)
+    chosen = np.zeros(count, np.int16)
+    log_outcome, log_likelihood = np.empty(count), np.empty(count)
+    probabilities, posterior = np.empty(outcomes), np.empty(outcomes)
     moved = np.empty((outcomes, states.shape[1]))
     for i in range(count):
-        outcome_probabilities(arrays, states[i], action, posterior)
+        outcome_probabilities(arrays, states[i], action, probabilities)
         total = 0.0
         for outcome in range(outcomes):
             moved[outcome] = states[i]
             advance(arrays, moved[outcome], action, outcome)
-            if not trust_outcome:
-                posterior[outcome] = 1.0
+            posterior[outcome] = probabilities[outcome] if trust_outcome else 1.0
             if trust_observation:
                 posterior[outcome] *= observation_probability(arrays, moved[outcome], action, outcome, observation)
             total += posterior[outcome]
@@ -138,5 +165,6 @@ def move_particles(
             for outcome in range(outcomes):
                 posterior[outcome] /= total
             chosen[i] = draw(posterior, uniforms[i])
+        log_outcome[i] = np.log(max(probabilities[chosen[i]], LEAST_PROBABILITY))
         states[i] = moved[chosen[i]]
-    return chosen, log_likelihood
+    return chosen, log_outcome, log_likelihood

@@ -37,14 +37,16 @@ BeliefSettings = Annotated[ExactSettings | ParticleSettings, Field(discriminator
 
 # Where the file names no belief and no finite set holds it.
 USUAL_PARTICLES = ParticleSettings(kind="particles", count=300)
+# The exact set may hold so many workers; every cycle and every descent of a search goes through them.
+MOST_EXACT = 1000
 
-Builder = Callable[[FatiguePomdp, Array, Vector, "WorkerPrior | None", Any, np.random.Generator], Belief]
+Builder = Callable[[FatiguePomdp, Array, Vector, WorkerPrior | None, Any, np.random.Generator], Belief]
 
 
 def fitting(sharp: bool, prior: WorkerPrior | None) -> ExactSettings | ParticleSettings:
-    """The exact set where it stays finite: reactions recognised without error, finitely many workers."""
-    finite = prior is None or prior.is_finite
-    return ExactSettings(kind="exact") if sharp and finite else USUAL_PARTICLES
+    """The exact set where it stays small: reactions recognised without error, not too many workers."""
+    few = prior is None or prior.size <= MOST_EXACT
+    return ExactSettings(kind="exact") if sharp and few else USUAL_PARTICLES
 
 
 def _exact(

@@ -1,0 +1,77 @@
+"""The tiger problem (Kaelbling, Littman & Cassandra 1998), solved by the same search as the robot's.
+
+    python examples/tiger.py
+
+A tiger is behind one of two doors, gold behind the other one. Whoever listens hears the tiger on its side
+85 times out of 100. Once a door was opened, tiger and gold are hidden anew.
+"""
+
+import numpy as np
+
+from fatigue_planner.compiled import compiled
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
+
+SIDES = ("left", "right")
+LISTEN = 2  # actions 0 and 1 open the door of that side
+COST, GOLD, TIGER, HEARD_RIGHTLY = -1.0, 10.0, -100.0, 0.85
+
+
+@compiled
+def chances_of_outcomes(_arrays, state, action, chances):
+    """The outcome is the side of the tiger after the action; a state is the side before it."""
+    for side in range(2):
+        chances[side] = 0.5 if action != LISTEN else 1.0 if side == state[0] else 0.0
+
+
+@compiled
+def advance(_arrays, state, action, side):
+    """Put the tiger on its new side; the reward is for what was done before."""
+    reward = COST if action == LISTEN else TIGER if action == state[0] else GOLD
+    state[0] = side
+    return reward
+
+
+@compiled
+def chance_of_observation(_arrays, state, action, _side, heard):
+    """How likely a tiger is heard on the side `heard`; who opens a door hears nothing of use."""
+    return 0.5 if action != LISTEN else HEARD_RIGHTLY if heard == state[0] else 1 - HEARD_RIGHTLY
+
+
+PROBLEM = Pomdp(
+    actions=("open left", "open right", "listen"),
+    outcomes=SIDES,
+    observations=SIDES,
+    discount=0.95,
+    arrays=None,
+    dynamics=Dynamics(chances_of_outcomes, advance, chance_of_observation),
+)
+NO_IDEA = ExactBelief(PROBLEM, states=np.array([[0.0], [1.0]]), weights=np.array([0.5, 0.5]))
+SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=100, descents=2000)
+
+
+def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tuple[float, list[str]]:
+    """One game: its discounted return, and what was done and heard."""
+    policy, belief, state = build_policy(settings), NO_IDEA, np.array([float(rng.integers(2))])
+    total, told = 0.0, []
+    for cycle in range(cycles):
+        action = policy.act(belief, rng).action
+        side = draw(PROBLEM.probabilities(state, action), rng.random())
+        state, reward = PROBLEM.after(state, action, side)
+        heard = draw(PROBLEM.observation_probabilities(state, action, side), rng.random())
+        policy.observe(action, heard)
+        belief = belief.update(action, heard, rng)
+        total += PROBLEM.discount**cycle * reward
+        told.append(f"{PROBLEM.actions[action]} ({SIDES[heard] if action == LISTEN else f'{reward:+g}'})")
+    return total, told
+
+
+if __name__ == "__main__":
+    rng = np.random.default_rng(1)
+    decision = build_policy(SEARCH).act(NO_IDEA, rng)
+    for name, value, visits in zip(PROBLEM.actions, decision.values, decision.visits, strict=True):
+        print(f"{name:10} value {value:7.2f}, tried {visits} times")
+    print("One game:", ", ".join(play(SEARCH, 10, rng)[1]))
+    print(f"Mean return of 50 games: {np.mean([play(SEARCH, 40, rng)[0] for _ in range(50)]):.1f}")

@@ -1,0 +1,92 @@
+"""The cost that no policy can beat, for every condition and number of cycles; kept, as it takes seconds."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.bounds.cost_bound import CostBound, cost_lower_bound
+from fatigue_planner.files import DIGEST_LENGTH, canonical_json, digest_of, digest_of_package, publish_text, set_aside
+from fatigue_planner.parallel import run_parallel
+from fatigue_planner.pomdp.situation import Situation
+
+BOUNDS_FILE = "bounds.csv"
+SOURCES = ("bounds", "fatigue", "pomdp")
+
+Place = tuple[str, int]
+
+
+def bound_of(situation: Situation, n_cycles: int) -> CostBound:
+    """The bound of a situation whose worker is known."""
+    model = situation.model
+    live = model.live.size
+    shape = (len(model.actions), len(model.outcomes), -1)
+    return cost_lower_bound(
+        model.arrays.gain.reshape(shape)[:, :, :live],
+        model.arrays.offset.reshape(shape)[:, :, :live],
+        float(model.workers.expertise[0]),
+        situation.states[:, :live],
+        situation.weights,
+        model.discount,
+        model.entries,
+        n_cycles,
+    )
+
+
+def run_bounds(cells: Sequence[Cell], folder: Path, jobs: int, progress: Callable[[], None]) -> pd.DataFrame:
+    """One row per condition and number of cycles with a known worker: condition, n_cycles, cost_bound, exact.
+
+    Bounds already in the folder are not computed again. `progress` hears of each. Raises OutputFolderError.
+    """
+    places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
+    found: dict[Place, tuple[float, bool]] = {}
+    missing = []
+    for place, situation in places.items():
+        path = _path(folder, situation, place)
+        kept = _read(path)
+        if kept is None:
+            missing.append((place, situation, path))
+        else:
+            found[place] = kept
+            progress()
+    missing.sort(key=lambda part: -part[0][1])  # the longest first
+    for index, result in run_parallel(_bound_and_keep, missing, jobs):
+        found[missing[index][0]] = result
+        progress()
+    rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in places]
+    return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"])
+
+
+def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
+    """Write bounds.csv."""
+    publish_text(folder / BOUNDS_FILE, table.to_csv(index=False, lineterminator="\n"))
+
+
+def _path(folder: Path, situation: Situation, place: Place) -> Path:
+    key = digest_of([situation.fingerprint(), place[1], digest_of_package(*SOURCES)])
+    return folder / f"{key[:DIGEST_LENGTH]}.json"
+
+
+def _bound_and_keep(part: tuple[Place, Situation, Path]) -> tuple[float, bool]:
+    (condition, n_cycles), situation, path = part
+    bound = bound_of(situation, n_cycles)
+    content = {"condition": condition, "n_cycles": n_cycles, "cost_bound": bound.cost, "exact": bound.exact}
+    publish_text(path, canonical_json({**content, "sha256": digest_of(content)}))
+    return bound.cost, bound.exact
+
+
+def _read(path: Path) -> tuple[float, bool] | None:
+    """A kept bound; a damaged file is set aside."""
+    if not path.exists():
+        return None
+    try:
+        text = path.read_text(encoding="utf-8")
+        content = json.loads(text)
+        if content.pop("sha256") == digest_of(content):
+            return float(content["cost_bound"]), bool(content["exact"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        pass
+    set_aside(path)
+    return None

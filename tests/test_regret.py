@@ -1,0 +1,143 @@
+"""Regret and bounds: by hand, and as a benchmark reports them."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE, bound_of, publish_bounds, run_bounds
+from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.runner import run_cell, run_grid
+from fatigue_planner.benchmark.table import REGRETS, publish_table, trial_table
+from fatigue_planner.experiment.resolve import cycle_profiles, situation
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.lookahead import LookaheadPolicy
+from fatigue_planner.planners.reference import describe, reference_for
+from fatigue_planner.planners.settings import AlternatingSettings, GreedySettings, LookaheadSettings
+from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.gaps import gap_table, gap_text
+from fatigue_planner.statistics.regret import regret_table, regret_text
+
+REFERENCE = LookaheadSettings(kind="lookahead", depth=3)
+
+
+@pytest.fixture(scope="module")
+def situations(paper: Experiment, reactions: tuple[Reaction, ...]) -> dict[str, Situation]:
+    profiles = cycle_profiles(paper, reactions)
+    return {name: situation(paper, profiles, one) for name, one in paper.benchmark.conditions.items()}
+
+
+def cell(one: Situation, name: str, settings, **changes) -> Cell:
+    return Cell("c", 6, name, settings, one, 5, 3, **({"reference": REFERENCE} | changes))
+
+
+def test_regret_is_what_the_decisions_lose_by_the_references_values(situations: dict[str, Situation]) -> None:
+    """An expert from one state: the run can be followed by hand."""
+    one = situations["single_expert"]
+    result = run_cell(cell(one, "alternating", AlternatingSettings(kind="alternating")), [0])[0]
+    belief, losses, rng = one.initial_belief("prior", one.model, np.random.default_rng(0)), [], np.random.default_rng(0)
+    for cycle in range(6):
+        values = LookaheadPolicy(REFERENCE).values(belief, rng)
+        losses.append(values.max() - values[cycle % 2])
+        choice = int(one.model.probabilities(belief.states[0], cycle % 2).argmax())
+        belief = belief.update(cycle % 2, choice, rng)
+    assert result.regret is not None and max(losses) > 0
+    assert result.regret.decision_loss == pytest.approx(np.mean(losses))
+    assert result.regret.run_loss == pytest.approx(sum(0.95**t * loss for t, loss in enumerate(losses)))
+    assert result.regret.agreement == np.mean(np.array(losses) == 0)
+
+
+def test_the_reference_loses_nothing_and_measuring_changes_nothing(situations: dict[str, Situation]) -> None:
+    one = situations["single_novice"]
+    own = run_cell(cell(one, "reference", REFERENCE), range(3))
+    assert all(r.regret and (r.regret.run_loss, r.regret.agreement) == (0, 1) for r in own.values())
+    plain = run_cell(cell(one, "reference", REFERENCE, reference=None), range(3))
+    assert [r.discounted_return for r in plain.values()] == [r.discounted_return for r in own.values()]
+    assert all(r.regret is None for r in plain.values())
+
+
+def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_path: Path) -> None:
+    cells = [cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy"))]
+    first, _ = run_grid(cells, tmp_path / "parts", 1, lambda _cell, _n: None)
+    again, _ = run_grid(cells, tmp_path / "parts", 1, lambda _cell, _n: None)
+    assert first == again
+    publish_table(tmp_path, trial_table(cells, first))
+    table = pd.read_csv(tmp_path / "regret.csv")
+    assert list(table["run_loss"]) == [first[0][trial].regret.run_loss for trial in range(3)]
+    assert (
+        cells[0].digest()
+        != cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy"), reference=None).digest()
+    )
+
+
+def test_regret_table_by_hand() -> None:
+    rows = [("c", 5, "p", -2.0, 0.1, 0.4, 0.5), ("c", 5, "p", -4.0, 0.3, 0.8, 1.0), ("c", 5, "q", -1.0, 0, 0, 1.0)]
+    trials = pd.DataFrame(rows, columns=["condition", "n_cycles", "policy", "discounted_return", *REGRETS])
+    table = regret_table(trials)
+    assert list(table["policy"]) == ["q", "p"]  # the smallest loss first
+    worse = table.iloc[1]
+    assert worse["run_loss"] == pytest.approx(0.6) and worse["run_loss_share"] == pytest.approx(0.2)
+    assert worse["run_loss_standard_error"] == pytest.approx(0.2) and worse["agreement"] == pytest.approx(0.75)
+    text = regret_text(table, {"c": "the oracle"})
+    assert "reference: the oracle" in text and "20.000%" in text
+
+
+def test_the_reference_is_as_deep_as_is_affordable(situations: dict[str, Situation]) -> None:
+    chosen = {}
+    for name, one in situations.items():
+        chosen[name] = reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
+    assert chosen["single_novice"].leaf_value == "bound" and chosen["single_expert"].leaf_value == "greedy_rollout"
+    assert chosen["single_novice"].depth > chosen["multiple_novice"].depth - 1 >= 2  # three states cost three times
+    assert "cyclic plans" in describe(chosen["single_novice"]) and "greedy rollouts" in describe(
+        chosen["single_expert"]
+    )
+
+
+def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Path) -> None:
+    """Short runs, where the bound is the optimum itself: an exact lookahead over all cycles reaches it."""
+    one = situations["single_expert"]
+    cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
+    done = []
+    first = run_bounds(cells, tmp_path, 2, lambda: done.append(1))
+    assert len(done) == 2 and list(first["exact"]) == [True, True]
+    again = run_bounds(cells, tmp_path, 1, lambda: done.append(1))
+    pd.testing.assert_frame_equal(first, again)
+    belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
+    for n, bound in zip((2, 4), first["cost_bound"], strict=True):
+        whole = LookaheadPolicy(LookaheadSettings(kind="lookahead", depth=n))
+        assert -whole.values(belief, np.random.default_rng(0)).max() == pytest.approx(bound, rel=1e-9)
+    (damaged, *_) = tmp_path.glob("*.json")
+    damaged.write_text(damaged.read_text().replace("cost", "c0st"))
+    pd.testing.assert_frame_equal(first, run_bounds(cells, tmp_path, 1, lambda: None))
+    assert list(tmp_path.glob("*.damaged-1"))
+
+
+def test_no_policy_beats_the_bound_of_the_papers_conditions(situations: dict[str, Situation]) -> None:
+    """Greedy over 12 cycles, 200 runs: its mean may lie below the bound by chance once in 1e6 at most."""
+    from scipy.stats import norm
+
+    one = situations["multiple_novice"]
+    bound = bound_of(one, 12)
+    results = run_cell(Cell("c", 12, "greedy", GreedySettings(kind="greedy"), one, 3, 200), range(200))
+    cost = -np.array([r.discounted_return for r in results.values()])
+    assert cost.mean() + norm.isf(1e-6) * cost.std(ddof=1) / math.sqrt(200) > bound.cost
+    assert 0 < bound.cost <= cost.mean() * 1.2
+
+
+def test_gaps_in_words(tmp_path: Path) -> None:
+    rows = [("c", 5, name, trial, False, value) for name, value in (("p", -1.1), ("q", -1.3)) for trial in (0, 1)]
+    trials = pd.DataFrame(
+        rows, columns=["condition", "n_cycles", "policy", "trial", "deterministic", "discounted_return"]
+    )
+    trials.loc[0, "discounted_return"] = -1.0
+    bounds = pd.DataFrame({"condition": ["c"], "n_cycles": [5], "cost_bound": [1.0], "exact": [False]})
+    table = gap_table(comparison_table(trials, 0.05), bounds)
+    assert table["gap"].tolist() == pytest.approx([0.05, 0.3])
+    assert table["standard_error"].tolist() == pytest.approx([0.05, 0])
+    assert "at least 1.000000; p is at most 5.00 % ± 5.00 % above the optimum" in gap_text(table)
+    publish_bounds(tmp_path, table)
+    assert (tmp_path / BOUNDS_FILE).read_text().startswith("condition,n_cycles,cost_bound,exact,policy,gap")
