@@ -16,7 +16,7 @@ help:
 	@echo "make paper-figures  set up, simulate, run the paper's grid; figures and tables in results/paper"
 	@echo "make test           lint, types and tests (under 5 minutes on 2 cores)"
 	@echo "make test-all       the same with the slow tests"
-	@echo "make bench          measure speed as ratios, also to placo (set up in the user's cache)"
+	@echo "make bench          measure speed as ratios, also to placo, C++ and pomdp-py (set up in the user's cache)"
 	@echo "make install        set up only; then: $(BIN)/fatplan --help"
 	@echo "make clean          remove the virtual environment"
 
@@ -54,6 +54,8 @@ bench: $(VENV)/.development
 	$(BIN)/python benchmarks/convergence.py
 	$(BIN)/python benchmarks/gains.py
 	$(BIN)/python benchmarks/search_convergence.py
+	$(BIN)/python benchmarks/search/decisions.py
+	$(BIN)/python benchmarks/search/compare.py --figure docs/images/search_cost.png
 
 clean:
 	rm -rf $(VENV)

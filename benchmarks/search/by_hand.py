@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
 
 from fatigue_planner.files import DIGEST_LENGTH, digest_of
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
+from fatigue_planner.pomdp.vectors import aligned
 
 SOURCE = Path(__file__).with_name("search.cpp")
 FLAGS = ("-std=c++17", "-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-shared", "-fPIC")
-LANES = 8
 
 
 class CompilerMissingError(Exception):
@@ -72,21 +72,23 @@ class SearchByHand:
     def __init__(self, model: FatiguePomdp) -> None:
         self._search = library().search
         self._search.restype = ctypes.c_double
-        self.actions, _, entries = model.gain.shape
-        self._gain, self._offset = (_padded(rows.reshape(-1, entries)) for rows in (model.gain, model.offset))
-        self._observation = np.ascontiguousarray(model.observation)
-        sharp = bool((model.observation == np.eye(*model.observation.shape)).all())
+        arrays = model.arrays
+        assert arrays.expertise.size == 1
+        self.actions = arrays.n_actions
+        self._kept = arrays.gain, arrays.offset, np.ascontiguousarray(arrays.observation)
         # ctypes needs to be told of every double and of every 64-bit number
         self._model = (
-            *(ctypes.c_int(n) for n in (self.actions, *self._observation.shape, self._gain.shape[1])),
-            *(ctypes.c_void_p(array.ctypes.data) for array in (self._gain, self._offset, self._observation)),
-            ctypes.c_int(sharp),
-            *(ctypes.c_double(x) for x in (model.expertise, model.discount, 1 / model.entries)),
+            *(ctypes.c_int(n) for n in (self.actions, *arrays.observation.shape, arrays.gain.shape[1])),
+            *(ctypes.c_void_p(array.ctypes.data) for array in self._kept),
+            ctypes.c_int(arrays.sharp),
+            *(ctypes.c_double(x) for x in (arrays.expertise[0], model.discount, arrays.cost_scale)),
         )
         self._values, self._tried = np.empty(self.actions), np.empty(self.actions, np.int64)
 
     def __call__(self, belief: Belief, descents: int, exploration_constant: float, maximise: bool, seed: int) -> Root:
-        states, weights = _padded(belief.states), np.ascontiguousarray(belief.weights)
+        """Search from a belief."""
+        states = aligned(belief.states[:, :-1])  # the last number is the worker's
+        weights = np.ascontiguousarray(belief.weights)
         depth = self._search(
             *self._model,
             ctypes.c_void_p(states.ctypes.data),
@@ -100,13 +102,3 @@ class SearchByHand:
             ctypes.c_void_p(self._tried.ctypes.data),
         )
         return Root(self._values.copy(), self._tried.copy(), depth)
-
-
-def _padded(rows: np.ndarray) -> np.ndarray:
-    """Rows with zeros after them to a multiple of LANES, starting at a cache line."""
-    width = -(-rows.shape[1] // LANES) * LANES
-    memory = np.zeros(rows.shape[0] * width + LANES)
-    skip = (-memory.ctypes.data % 64) // 8
-    wide = memory[skip : skip + rows.shape[0] * width].reshape(-1, width)
-    wide[:, : rows.shape[1]] = rows
-    return wide

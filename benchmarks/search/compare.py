@@ -31,32 +31,21 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 
 import numpy as np
 from by_hand import CompilerMissingError, Root, SearchByHand
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from problems import Problem, experiment_problems, synthetic_problem
 
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import cycle_maps, load_reactions, problem, reaction_requests
-from fatigue_planner.planners.registry import PomcpSettings, build_policy
-from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.planners.pomcp import PomcpPolicy
+from fatigue_planner.planners.settings import PomcpSettings
 
 HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
 REQUIREMENTS = HERE / "requirements.txt"
 CONSTANTS = (0.1, 0.001)
 BACKUPS = ("mean", "max")
 DESCENTS = 5000
 ROUNDS = 21
-SLOW_ROUNDS = 3  # of pomdp-py and plain Python
+SLOW_ROUNDS = 2  # of pomdp-py and plain Python, with the first constant only
 SEEDS = 100  # of the check
 PARTICLES = 1000
 SAME = 0.05  # how far the values of a slow search, from few rounds, may be off
-
-
-@dataclass(frozen=True)
-class Problem:
-    name: str
-    model: FatiguePomdp
-    belief: Belief
 
 
 @dataclass(frozen=True)
@@ -76,37 +65,11 @@ class Case:
         )
 
 
-def papers_problems() -> list[Problem]:
-    """The conditions of the paper's experiment, its reactions simulated where the cache lacks them."""
-    paper, cache = load_experiment(ROOT / "experiments" / "paper.yaml"), ROOT / "cache"
-    ReactionCache(cache).complete(paper.name, reaction_requests(paper), 1, lambda _: None)
-    maps = cycle_maps(paper, load_reactions(paper, cache, "fatplan simulate"))
-    return [Problem(name, *problem(paper, maps, condition)) for name, condition in paper.benchmark.conditions.items()]
-
-
-def synthetic_problem(entries: int = 78, actions: int = 2, expertise: float = 0.0) -> Problem:
-    """Random affine maps of `entries` live entries with two reactions to every action, from a rested worker."""
-    rng = np.random.default_rng(1)
-    gain = rng.uniform(0.6, 0.99, (actions, 2, entries))
-    model = FatiguePomdp(
-        actions=tuple(f"action_{a}" for a in range(actions)),
-        preferences=("first", "second"),
-        gain=gain,
-        offset=rng.uniform(0, 0.1, gain.shape) * (1 - gain),
-        observation=np.eye(2),
-        expertise=expertise,
-        discount=0.95,
-        entries=entries,
-        live=np.arange(entries),
-    )
-    return Problem(f"{entries} entries, {actions} actions", model, Belief(np.zeros((1, entries)), np.ones(1)))
-
-
 def ours(case: Case, seed: int) -> Root:
     """Our search with what the decision leaves out: counts and depth."""
-    policy = build_policy(case.problem.model, case.settings)
-    tree = policy.tree(case.problem.belief, np.random.default_rng(seed))
-    return Root(tree.value[0], tree.tried[0], tree.tried.sum() / case.descents)
+    tree = PomcpPolicy(case.settings).tree(case.problem.belief, np.random.default_rng(seed), 0.0)
+    root = tree.nodes[0]
+    return Root(root["value"], root["tried"], tree.column("tried").sum() / case.descents)
 
 
 def by_hand(search: SearchByHand, case: Case, seed: int) -> Root:
@@ -139,17 +102,22 @@ class Peer:
 
     def decide(self, case: Case, seed: int) -> dict[str, Any]:
         model, belief = case.problem.model, case.problem.belief
+        live = model.live.size
+        states = belief.states[:, :live]
         if case.problem is not self._problem:
             self._problem = case.problem
+            arrays = model.arrays
+            shape = arrays.n_actions, len(model.outcomes), -1
+            gain, offset = (table.reshape(shape)[..., :live].tolist() for table in (arrays.gain, arrays.offset))
             self.ask({
-                "gain": model.gain.tolist(), "offset": model.offset.tolist(), "expertise": str(model.expertise),
-                "discount": model.discount, "cost_scale": 1 / model.entries,
+                "gain": gain, "offset": offset, "expertise": str(arrays.expertise[0]),
+                "discount": model.discount, "cost_scale": arrays.cost_scale,
             })  # fmt: skip
         copies = np.rint(belief.weights * PARTICLES).astype(int) if belief.weights.size > 1 else [1]
         return self.ask({
             "seed": seed, "descents": case.descents, "discount": model.discount, "exploration_constant": case.constant,
-            "particles": np.repeat(belief.states, copies, axis=0).tolist(),
-            "states": belief.states.tolist(), "weights": belief.weights.tolist(),
+            "particles": np.repeat(states, copies, axis=0).tolist(),
+            "states": states.tolist(), "weights": belief.weights.tolist(),
             "settings": case.settings.model_dump(),
         })  # fmt: skip
 
@@ -186,11 +154,12 @@ def check(cases: list[Case]) -> None:
     print(f"The same searches? Root values of C++ and ours over {SEEDS} seeds (expert: the same tree):")
     for case in cases:
         model = case.problem.model
+        certain = bool(np.isinf(model.arrays.expertise[0]))
         search = SearchByHand(model)
-        seeds = range(3 if np.isinf(model.expertise) else SEEDS)
+        seeds = range(3 if certain else SEEDS)
         pairs = [(by_hand(search, case, seed), ours(case, 1000 + seed)) for seed in seeds]
         hand, own = (np.array([pair[side].values for pair in pairs]) for side in (0, 1))
-        if np.isinf(model.expertise):
+        if certain:
             worst = np.abs(hand - own).max()
             same = all(np.array_equal(a.tried, b.tried) and np.isclose(a.depth, b.depth) for a, b in pairs)
             print(f"  {case}: largest difference {worst:.1e}, counts and depth {'equal' if same else 'DIFFER'}")
@@ -208,7 +177,7 @@ def race(cases: list[Case], peers: dict[str, Peer]) -> None:
     print(f"medians of {ROUNDS} interleaved rounds, {SLOW_ROUNDS} of the slow ones; quartiles of ours after it):")
     for case in cases:
         search = SearchByHand(case.problem.model)
-        own_policy = build_policy(case.problem.model, case.settings)
+        own_policy = PomcpPolicy(case.settings)
         seconds: dict[str, list[float]] = defaultdict(list)
         values: dict[str, list[list[float]]] = defaultdict(list)
         reference = by_hand(search, case, 0).values
@@ -225,11 +194,12 @@ def race(cases: list[Case], peers: dict[str, Peer]) -> None:
             seconds["c++"].append(middle - begin)
             seconds["ours"].append(end - middle)
             for name, peer in peers.items():
-                if seed <= SLOW_ROUNDS and not (name == "pomdp-py" and case.backup == "max"):
-                    reply = peer.decide(case, seed)
-                    seconds[name].append(reply["cpu_s"])
-                    values[name].append(reply["values"])
-                    depths[name] = reply.get("depth", depths["ours"])
+                if seed > SLOW_ROUNDS or case.constant != CONSTANTS[0] or (name, case.backup) == ("pomdp-py", "max"):
+                    continue
+                reply = peer.decide(case, seed)
+                seconds[name].append(reply["cpu_s"])
+                values[name].append(reply["values"])
+                depths[name] = reply.get("depth", depths["ours"])
         base = statistics.median(seconds["c++"])
         ratios = np.quantile(np.array(seconds["ours"]) / np.array(seconds["c++"]), [0.25, 0.75])
         texts = [f"C++ {base * 1e3:.2f} ms ({depths['c++']:.2f})"]
@@ -251,7 +221,7 @@ def main() -> None:
         from scaling import write_figure  # noqa: PLC0415
 
         write_figure(options.figure)
-    problems = [*papers_problems(), synthetic_problem()]
+    problems = [*experiment_problems("paper"), synthetic_problem(), synthetic_problem(expertise=np.inf)]
     cases = [Case(problem, c, backup) for problem in problems for c in CONSTANTS for backup in BACKUPS]
     try:
         SearchByHand(problems[0].model)

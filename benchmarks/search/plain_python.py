@@ -6,38 +6,31 @@
 import json
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
-from fatigue_planner.pomdp.belief import Belief
-from fatigue_planner.pomdp.model import FatiguePomdp
+from problems import affine_model, rested
 
-from fatigue_planner.planners.registry import PomcpSettings, build_policy
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PomcpSettings
 
 
 def main() -> None:
-    np.seterr(divide="ignore")  # log 0 at a node without visits, as in compiled code
-    model = None
+    belief = None
     for line in sys.stdin:
         request = json.loads(line)
         if "gain" in request:
-            gain = np.array(request["gain"])
-            model = FatiguePomdp(
-                actions=tuple(str(a) for a in range(gain.shape[0])),
-                preferences=tuple(str(u) for u in range(gain.shape[1])),
-                gain=gain,
-                offset=np.array(request["offset"]),
-                observation=np.eye(gain.shape[1]),
-                expertise=float(request["expertise"]),
-                discount=request["discount"],
-                entries=round(1 / request["cost_scale"]),
-                live=np.arange(gain.shape[2]),
-            )
+            gain, offset = np.array(request["gain"]), np.array(request["offset"])
+            entries = round(1 / request["cost_scale"])
+            belief = rested(affine_model(gain, offset, float(request["expertise"]), request["discount"], entries))
             reply: dict[str, object] = {"ready": True}
         else:
-            belief = Belief(np.array(request["states"]), np.array(request["weights"]))
-            settings = PomcpSettings(**request["settings"])
+            assert belief is not None
+            states = np.array([belief.model.state(fatigue) for fatigue in np.array(request["states"])])
+            belief = replace(belief, states=states, weights=np.array(request["weights"]))
+            policy = build_policy(PomcpSettings(**request["settings"]))
             begin = time.process_time()
-            decision = build_policy(model, settings).act(belief, np.random.default_rng(request["seed"]))
+            decision = policy.act(belief, np.random.default_rng(request["seed"]))
             reply = {"cpu_s": time.process_time() - begin, "values": decision.values.tolist()}
         print(json.dumps(reply), flush=True)
 

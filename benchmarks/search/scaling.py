@@ -8,9 +8,10 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from by_hand import CompilerMissingError, SearchByHand
-from compare import Case, Problem, by_hand, ours, synthetic_problem
+from compare import Case, by_hand, ours
+from problems import Problem, synthetic_problem
 
-from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.pomcp import PomcpPolicy
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -29,7 +30,7 @@ Costs = dict[str, tuple[float, float]]
 def costs(problem: Problem, descents: int) -> Costs:
     """Medians of interleaved rounds, for ours and, where there is a compiler, C++."""
     case = Case(problem, CONSTANT, "mean", descents)
-    policy = build_policy(problem.model, case.settings)
+    policy = PomcpPolicy(case.settings)
     tasks = {"ours": lambda seed: policy.act(problem.belief, np.random.default_rng(seed))}
     depth = {"ours": ours(case, 0).depth}
     try:

@@ -22,11 +22,9 @@ from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.figures.style import publish_png
 from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.viewer.performance import Performance, performance_of
-from fatigue_planner.viewer.strip import strip
 
 MOST_UNASKED = 12  # reactions shown if none is named: 3 minutes
 SUFFIXES = (".html", ".png")
@@ -62,6 +60,9 @@ def view(
     writable_folder(path.parent)
     performances = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
+        from fatigue_planner.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
+        from fatigue_planner.viewer.strip import strip  # noqa: PLC0415
+
         _check_times(at or [], performances)
         figure = strip(performances, at or [])
         publish_png(path, figure)

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from fatigue_planner.errors import DataFileError
 from fatigue_planner.human.joint_data import MaximumTorque, known_names
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
@@ -92,3 +92,12 @@ def _places(name: str, key: str) -> list[int]:
 def _names_of(entry: str) -> set[str]:
     freedom = entry.split(":", maxsplit=1)[0]
     return {entry, freedom, without_side(entry), without_side(freedom)}
+
+
+def joint_shares(share: Vector) -> dict[str, float]:
+    """Largest share of strength in any degree of freedom and direction of each compound joint; share (78,)."""
+    by_entry = dict(zip(ENTRIES, share, strict=True))
+    return {
+        joint.name: max(by_entry[f"{dof.name}:{way}"] for dof in joint.degrees_of_freedom for way in DIRECTIONS)
+        for joint in JOINTS
+    }

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fatigue_planner.fatigue.cycle_map import loads
-from fatigue_planner.fatigue.parameters import DIRECTIONS, ENTRIES, FatigueParameters
+from fatigue_planner.fatigue.parameters import FatigueParameters, joint_shares
 from fatigue_planner.figures.human_drawing import (
     FRONT,
     SIDE,
@@ -79,12 +79,3 @@ def _columns(reactions: Sequence[Reaction]) -> int:
     """Panels in a row: all preferences of as many actions as fit."""
     preferences = len({reaction.name.preference for reaction in reactions})
     return max(WIDEST // preferences, 1) * preferences
-
-
-def joint_shares(share: Vector) -> dict[str, float]:
-    """Largest share of strength in any degree of freedom and direction of each compound joint; share (78,)."""
-    by_entry = dict(zip(ENTRIES, share, strict=True))
-    return {
-        joint.name: max(by_entry[f"{dof.name}:{way}"] for dof in joint.degrees_of_freedom for way in DIRECTIONS)
-        for joint in JOINTS
-    }

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
@@ -167,5 +166,7 @@ def _outside_support(human: Human, centre_of_mass_m: Matrix) -> float:
         for x in (-length, length)
         for y in (-breadth, breadth)
     ]
+    from scipy.spatial import ConvexHull  # noqa: PLC0415 - takes 0.2 s
+
     planes = ConvexHull(corners).equations
     return float((centre_of_mass_m[:, :2] @ planes[:, :2].T + planes[:, 2]).max())

@@ -1,25 +1,34 @@
 """The exact reference: full-width expectimax over the belief to a depth in cycles."""
 
 import time
+from typing import Any
 
 import numpy as np
 
-from fatigue_planner.compiled import kernel, specialised
-from fatigue_planner.planners.parts import LEAF_VALUES, bound_arrays_for
+from fatigue_planner.planners.parts import bound_arrays_for, lookahead_kernel
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
-from fatigue_planner.planners.search.expectimax import best_return, new_levels
+from fatigue_planner.planners.search.expectimax import Levels, new_levels
 from fatigue_planner.planners.search.numbers import Numbers, new_room, tables
 from fatigue_planner.planners.settings import LookaheadSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.problem import Pomdp
 
 
 class LookaheadPolicy(Policy):
-    """The action with the best exact return over a number of cycles, plus leaf values; the first of equals."""
+    """The action with the best exact return over a number of cycles, plus leaf values; the first of equals.
+
+    Its memory is kept from decision to decision.
+    """
 
     def __init__(self, settings: LookaheadSettings) -> None:
         self.settings = settings
         # an expert leaves nothing to chance in a greedy rollout; random ones are drawn whatever the worker
         self.draws_at_random = settings.leaf_value == "random_rollout"
+        self._model: Pomdp | None = None
+        self._kernel: Any = None
+        self._levels: Levels | None = None
+        self._room = new_room(0, 0, 0)
+        self._tables = tables(0)
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
@@ -32,20 +41,16 @@ class LookaheadPolicy(Policy):
     def values(self, belief: Belief, rng: np.random.Generator) -> Vector:
         """The return of every action, followed by the best ones, (A,)."""
         settings, model = self.settings, belief.model
-        parts = {name: part for name, part in model.parts.items() if name != "step"}
-        enumerate_all = specialised(
-            best_return,
-            kernel,
-            **parts,
-            leaf_value=LEAF_VALUES[settings.leaf_value](model),
-            TELLING=model.telling,
-            N_OBSERVATIONS=len(model.observations),
-        )
+        if model is not self._model:
+            self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
         count, width = belief.states.shape
-        outcomes, actions = len(model.outcomes), len(model.actions)
-        levels = new_levels(belief.states, settings.depth, outcomes, actions, model.telling)
-        levels.states[:count], levels.weights[:count] = belief.states, belief.weights
+        if self._levels is None or self._levels.begin[1] != count:
+            outcomes, actions = len(model.outcomes), len(model.actions)
+            self._levels = new_levels(count, width, settings.depth, outcomes, actions, model.telling)
+            self._room = new_room(width, outcomes, 0)
+        levels = self._levels
+        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, *tables(0))
-        enumerate_all(model.arrays, bound_arrays, levels, new_room(width, outcomes, 0), 0, count, numbers, rng)
+        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, *self._tables)
+        self._kernel(model.arrays, bound_arrays, levels, self._room, numbers, rng)
         return np.asarray(levels.values[0].copy())

@@ -19,6 +19,7 @@ from fatigue_planner.planners.leaf_values.greedy_rollout import greedy_rollout
 from fatigue_planner.planners.leaf_values.none import no_value
 from fatigue_planner.planners.leaf_values.random_rollout import random_rollout
 from fatigue_planner.planners.search.descent import grow
+from fatigue_planner.planners.search.expectimax import best_return, expected_now, observe
 from fatigue_planner.pomdp.problem import Pomdp
 
 BackupName = Literal["mean", "max", "exact"]
@@ -49,7 +50,7 @@ def _expect_outcomes(model: Pomdp) -> Any:
 
 
 def _greedy_rollout(model: Pomdp) -> Any:
-    parts = {name: model.parts[name] for name in ("outcome_probabilities", "advance", "step")}
+    parts = {name: model.parts[name] for name in ("expected_reward", "step")}
     return specialised(greedy_rollout, inlined, **parts)
 
 
@@ -96,5 +97,21 @@ def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName
         note_return=down.note_return,
         expect=up.expect(model),
         back_up=up.back_up,
+        leaf_value=LEAF_VALUES[leaf_value](model),
+    )
+
+
+def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
+    """`search.expectimax.best_return` for a problem and a leaf value, compiled."""
+    parts = _without_step(model)
+    constants = {"TELLING": model.telling, "N_OBSERVATIONS": len(model.observations)}
+    return specialised(
+        best_return,
+        kernel,
+        **parts,
+        **constants,
+        LEAVES=leaf_value != "none",
+        expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
+        observe=specialised(observe, inlined, **parts, TELLING=model.telling),
         leaf_value=LEAF_VALUES[leaf_value](model),
     )

@@ -11,6 +11,7 @@ from fatigue_planner.planners.search.numbers import TINY, Numbers, Room, new_roo
 from fatigue_planner.planners.search.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
 from fatigue_planner.planners.settings import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.problem import Pomdp
 
 # A search with a time limit looks at the clock once per so many descents.
 DESCENTS_PER_LOOK = 50
@@ -31,6 +32,8 @@ class PomcpPolicy(Policy):
         self._kept = False  # whether the tree is what observe kept for this decision
         self._room: Room | None = None
         self._tables = tables(0)
+        self._model: Pomdp | None = None
+        self._kernel: Any = None
         self._depth = 0
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
@@ -38,8 +41,11 @@ class PomcpPolicy(Policy):
         begin = time.perf_counter()
         root = self.tree(belief, rng, begin).nodes[0]
         visits = root["tried"].astype(np.int64)
-        values = np.where(visits > 0, root["value"], np.nan)
-        action = int(np.nanargmax(values))
+        untried = visits == 0
+        values = root["value"].copy()
+        values[untried] = -np.inf
+        action = int(values.argmax())
+        values[untried] = np.nan
         reason = explained(f"best estimated return after {visits.sum()} descents", belief)
         return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
 
@@ -60,32 +66,36 @@ class PomcpPolicy(Policy):
     def tree(self, belief: Belief, rng: np.random.Generator, begin: float) -> Tree:
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
         settings, model = self.settings, belief.model
-        grow = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
+        if model is not self._model:
+            self._model = model
+            self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
         if self._tree is not None and not self._kept:
             clear(self._tree)
         self._kept = False
         self._depth = 0
         if settings.descents is not None:
-            return self._grow(grow, belief, settings.descents, rng)
+            return self._grow(belief, settings.descents, rng)
         assert settings.seconds is not None
-        return self._grow_until(grow, belief, begin + settings.seconds, rng)
+        return self._grow_until(belief, begin + settings.seconds, rng)
 
-    def _grow(self, grow: Any, belief: Belief, descents: int, rng: np.random.Generator) -> Tree:
+    def _grow(self, belief: Belief, descents: int, rng: np.random.Generator) -> Tree:
         settings, model = self.settings, belief.model
         tree, room = self._memory(belief, descents)
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         numbers = Numbers(constant, model.discount, settings.rollout_cycles, *self._tables)
-        depth = grow(model.arrays, bound_arrays, belief.states, belief.weights, tree, room, descents, numbers, rng)
+        depth = self._kernel(
+            model.arrays, bound_arrays, belief.states, belief.weights, tree, room, descents, numbers, rng
+        )
         self._depth = max(self._depth, depth)
         return tree
 
-    def _grow_until(self, grow: Any, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
+    def _grow_until(self, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
         """Grow until another look at the clock might come too late; one descent at least per action."""
         descents, longest = len(belief.model.actions), 0.0
         while True:
             begin = time.perf_counter()
-            tree = self._grow(grow, belief, descents, rng)
+            tree = self._grow(belief, descents, rng)
             now = time.perf_counter()
             longest = max(longest, (now - begin) / descents * DESCENTS_PER_LOOK)
             descents = DESCENTS_PER_LOOK

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from fatigue_planner.compiled import inlined
 from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
-from fatigue_planner.pomdp.preference_choice import normalise_choice
+from fatigue_planner.pomdp.preference_choice import lowest, normalise_choice, relative_chance, weigh
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
 from fatigue_planner.pomdp.vectors import LANES, aligned, move, sum_of_squares_after
 
@@ -49,16 +49,29 @@ def first_row(arrays: FatigueArrays, state: Vector, action: int) -> int:
 
 
 @inlined
+def expertise_of(arrays: FatigueArrays, state: Vector) -> float:
+    """beta of the state's worker."""
+    return float(arrays.expertise[int(state[state.size - 1])])
+
+
+@inlined
+def costs_after(arrays: FatigueArrays, state: Vector, action: int, costs: Vector) -> None:
+    """The cost of Eq. 5 after the coming cycle for every preference, (U,)."""
+    row = first_row(arrays, state, action)
+    for u in range(costs.size):
+        costs[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+
+
+@inlined
 def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector) -> None:
     """Eq. 4: P(u | f, a) for every preference; the cost of Eq. 5 is that after the coming cycle."""
-    row = first_row(arrays, state, action)
-    expertise = arrays.expertise[int(state[state.size - 1])]
-    for u in range(probabilities.size):
-        if expertise == 0:
-            probabilities[u] = 0.0
-        else:
-            probabilities[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
-    normalise_choice(probabilities, expertise)
+    expertise = expertise_of(arrays, state)
+    if expertise == 0:
+        for u in range(probabilities.size):
+            probabilities[u] = 1.0 / probabilities.size
+    else:
+        costs_after(arrays, state, action, probabilities)
+        normalise_choice(probabilities, expertise)
 
 
 @inlined
@@ -75,22 +88,64 @@ def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference:
 
 
 @inlined
-def react_by_chance(
+def recognise(arrays: FatigueArrays, preference: int, rng: np.random.Generator) -> int:
+    """A draw of o from P(o | u)."""
+    return preference if arrays.sharp else draw(arrays.observation[preference], rng.random())
+
+
+@inlined
+def react_to_anything(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
-    """The generative model of Fig. 4."""
-    if arrays.even:
-        preference = int(rng.random() * scratch.size)
-    else:
-        preference_probabilities(arrays, state, action, scratch)
-        preference = draw(scratch, rng.random())
+    """The generative model of Fig. 4 for novices, whose choice does not depend on costs."""
+    preference = int(rng.random() * scratch.size)
     reward = react(arrays, state, action, preference)
-    if arrays.sharp:
-        return preference, reward
-    return draw(arrays.observation[preference], rng.random()), reward
+    return recognise(arrays, preference, rng), reward
 
 
-FATIGUE = Dynamics(preference_probabilities, react, recognition, react_by_chance, best_plan_value)
+@inlined
+def react_to_costs(
+    arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and its cost is known."""
+    row = first_row(arrays, state, action)
+    expertise = expertise_of(arrays, state)
+    preference, least, ties = 0, np.inf, 0
+    for u in range(scratch.size):
+        cost = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+        scratch[u] = cost
+        ties = 1 if cost < least else ties + (cost == least)
+        preference = u if cost < least else preference
+        least = min(cost, least)
+    if ties == 1 and expertise == np.inf:
+        move(arrays.gain, arrays.offset, state, row + preference)
+        reward = -least
+    else:
+        preference = draw(scratch, weigh(scratch, least, expertise) * rng.random())
+        reward = react(arrays, state, action, preference)
+    return recognise(arrays, preference, rng), reward
+
+
+@inlined
+def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector) -> float:
+    """The mean of -C over the preferences, and their probabilities: every cost is computed once."""
+    expertise, count = expertise_of(arrays, state), probabilities.size
+    costs_after(arrays, state, action, probabilities)
+    least = lowest(probabilities)
+    total, weighted = 0.0, 0.0
+    for u in range(count):
+        cost = probabilities[u]
+        chance = relative_chance(cost - least, expertise)
+        probabilities[u] = 1.0 / count if expertise == 0 else chance
+        total += chance
+        weighted += chance * cost
+    if expertise != 0:
+        for u in range(count):
+            probabilities[u] /= total
+    return -weighted / total
+
+
+FATIGUE = Dynamics(preference_probabilities, react, recognition, react_to_costs, expected_reward, best_plan_value)
 
 
 class Workers(NamedTuple):
@@ -134,6 +189,12 @@ class FatiguePomdp(Pomdp):
         ]  # A x U x (gain, offset), each (M, entries)
         gain, offset = np.moveaxis(np.array(rows), 2, 0)
         return self.with_maps(np.moveaxis(gain, 2, 0), np.moveaxis(offset, 2, 0), workers)
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        """See Pomdp.parts; novices' choices are drawn without a look at the costs."""
+        parts = self.dynamics.parts(len(self.observations))
+        return parts | {"step": react_to_anything} if self.arrays.even else parts
 
     @cached_property
     def bound_arrays(self) -> PlanValues:

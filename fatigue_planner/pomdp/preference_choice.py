@@ -11,27 +11,51 @@ Vector = NDArray[np.float64]
 
 
 @inlined
-def normalise_choice(costs: Vector, expertise: float) -> None:
-    """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u').
+def relative_chance(excess: float, expertise: float) -> float:
+    """How much rarer than the cheapest a preference is chosen that costs so much more: exp(-beta excess).
 
-    Stable for every expertise beta from 0 (uniform) to infinity (the cheapest, ties shared equally):
-    the smallest cost is subtracted first, so the largest exponential is 1. (math.exp is the same function compiled
-    and not; numpy's may differ in the last bit.)
+    Stable for every expertise beta from 0 (all are equal) to infinity (the cheapest only, ties shared equally).
+    math.exp is the same function compiled and not; numpy's may differ in the last bit.
     """
-    lowest = np.inf
+    if excess == 0 or expertise == 0:
+        return 1.0
+    if expertise == np.inf:
+        return 0.0
+    return math.exp(-expertise * excess)
+
+
+@inlined
+def lowest(costs: Vector) -> float:
+    """The smallest of the costs (U,)."""
+    found = np.inf
     for u in range(costs.size):
-        lowest = min(lowest, costs[u])
+        found = min(costs[u], found)
+    return found
+
+
+@inlined
+def weigh(costs: Vector, least: float, expertise: float) -> float:
+    """Numerators of Eq. 4 in place: costs (U,), the smallest of which is `least`, become exp(-beta (c_u - least)).
+
+    Returns their sum. The largest is 1.
+    """
     total = 0.0
     for u in range(costs.size):
-        excess = costs[u] - lowest
-        costs[u] = 1.0 if excess == 0 else math.exp(-expertise * excess)
+        costs[u] = relative_chance(costs[u] - least, expertise)
         total += costs[u]
+    return total
+
+
+@inlined
+def normalise_choice(costs: Vector, expertise: float) -> None:
+    """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u')."""
+    total = weigh(costs, lowest(costs), expertise)
     for u in range(costs.size):
         costs[u] /= total
 
 
 def choice_probabilities(costs: Vector, expertise: float) -> Vector:
-    """Eq. 4 for costs (U,); see `normalise_choice`."""
+    """Eq. 4 for costs (U,); see `relative_chance`."""
     probabilities = costs.copy()
     normalise_choice(probabilities, expertise)
     return probabilities

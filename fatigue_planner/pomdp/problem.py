@@ -32,6 +32,8 @@ class Dynamics:
         `state` is the one after the action
     step(arrays, state, action, scratch, rng) -> (observation, reward), optional
         moves `state` in place by chance: a short cut through the other three; `scratch` is (K,)
+    expected_reward(arrays, state, action, probabilities, moved) -> reward, optional
+        a short cut, too: the mean over the outcomes, whose probabilities it fills in; `moved` (L,) is scratch
     bound(bound_arrays, state) -> value, optional
         a value that some policy is sure to reach from the state (leaf value `bound`); `bound_arrays` is the
         problem's own, see `Pomdp.bound_arrays`
@@ -41,6 +43,7 @@ class Dynamics:
     advance: Callable[..., Any]
     observation_probability: Callable[..., Any]
     step: Callable[..., Any] | None = None
+    expected_reward: Callable[..., Any] | None = None
     bound: Callable[..., Any] | None = None
 
     def parts(self, n_observations: int) -> dict[str, Any]:
@@ -51,7 +54,8 @@ class Dynamics:
             "observation_probability": self.observation_probability,
         }
         step = self.step or specialised(step_by_chance, inlined, **basic, N_OBSERVATIONS=n_observations)
-        return basic | {"step": step}
+        mean = self.expected_reward or specialised(mean_over_outcomes, inlined, **basic)
+        return basic | {"step": step, "expected_reward": mean}
 
 
 @dataclass(frozen=True)
@@ -134,6 +138,23 @@ def observation_probability(arrays: Any, state: Vector, action: int, outcome: in
 def step(arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator) -> tuple[int, float]:
     """Stands for the problem's own in templates."""
     raise NotImplementedError
+
+
+def expected_reward(arrays: Any, state: Vector, action: int, probabilities: Vector, moved: Vector) -> float:
+    """Stands for the problem's own in templates."""
+    raise NotImplementedError
+
+
+def mean_over_outcomes(arrays: Any, state: Vector, action: int, probabilities: Vector, moved: Vector) -> float:
+    """Template: the expected reward made of the three functions."""
+    outcome_probabilities(arrays, state, action, probabilities)
+    expected = 0.0
+    for outcome in range(probabilities.size):
+        if probabilities[outcome] > 0:
+            for j in range(state.size):
+                moved[j] = state[j]
+            expected += probabilities[outcome] * advance(arrays, moved, action, outcome)
+    return expected
 
 
 N_OBSERVATIONS = 0

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import stats
 
 Vector = NDArray[np.float64]
 
@@ -59,9 +58,11 @@ def _compare(values: Vector, following: Vector | None, significance_level: float
         return math.nan, "no test: a single run"
     if np.ptp(values) == 0 and np.ptp(following) == 0:
         return math.nan, "no test: both constant"
+    from scipy.stats import ttest_ind  # noqa: PLC0415 - takes half a second
+
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # one of the two may be constant
-        p_value = float(stats.ttest_ind(values, following).pvalue)
+        p_value = float(ttest_ind(values, following).pvalue)
     if p_value >= significance_level:
         return p_value, "ns"
     return p_value, next((mark for limit, mark in STARS if p_value < limit), "*")

@@ -7,7 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from fatigue_planner.fatigue.cycle_map import loads
-from fatigue_planner.figures.postures import joint_shares
+from fatigue_planner.fatigue.parameters import joint_shares
 from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH

@@ -9,7 +9,7 @@ from fatigue_planner.planners.backups.max import best_value
 from fatigue_planner.planners.search.descent import Node
 from fatigue_planner.planners.search.numbers import Numbers, Room
 from fatigue_planner.planners.search.tree import UNVISITED
-from fatigue_planner.pomdp.problem import advance, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability
 
 # Whether the observation always tells the outcome.
 TELLING = False
@@ -26,18 +26,19 @@ def expect_outcomes(arrays: Any, node: Node, action: int, room: Room, certain: b
     share = 1.0 / (node.tried[action] + 1.0)
     for observation in range(node.chance.shape[1]):
         node.chance[action, observation] *= 1.0 - share
-    reward = 0.0
     probabilities, moved = room.probabilities, room.moved
-    outcome_probabilities(arrays, room.state, action, probabilities)
+    reward = expected_reward(arrays, room.state, action, probabilities, moved)
+    node.mean_reward[action] += share * (reward - node.mean_reward[action])
     for outcome in range(probabilities.size):
-        if probabilities[outcome] > 0:
+        if TELLING:
+            node.chance[action, outcome] += share * probabilities[outcome]
+        elif probabilities[outcome] > 0:
             for j in range(moved.size):
                 moved[j] = room.state[j]
-            reward += probabilities[outcome] * advance(arrays, moved, action, outcome)
+            advance(arrays, moved, action, outcome)
             for observation in range(node.chance.shape[1]):
                 seen = observation_probability(arrays, moved, action, outcome, observation)
                 node.chance[action, observation] += share * probabilities[outcome] * seen
-    node.mean_reward[action] += share * (reward - node.mean_reward[action])
 
 
 @inlined

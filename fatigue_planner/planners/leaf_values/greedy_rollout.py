@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.planners.search.numbers import Numbers, Room
-from fatigue_planner.pomdp.problem import advance, outcome_probabilities, step
+from fatigue_planner.pomdp.problem import expected_reward, step
 
 
 def greedy_rollout(
@@ -20,13 +20,7 @@ def greedy_rollout(
     for _ in range(numbers.rollout_cycles):
         best, best_reward = 0, -np.inf
         for action in range(actions):
-            expected = 0.0
-            outcome_probabilities(arrays, state, action, probabilities)
-            for outcome in range(probabilities.size):
-                if probabilities[outcome] > 0:
-                    for j in range(state.size):
-                        moved[j] = state[j]
-                    expected += probabilities[outcome] * advance(arrays, moved, action, outcome)
+            expected = expected_reward(arrays, state, action, probabilities, moved)
             if expected > best_reward:
                 best, best_reward = action, expected
         _, reward = step(arrays, state, best, probabilities, rng)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import specialised
-from fatigue_planner.pomdp.problem import Pomdp, Vector, advance, outcome_probabilities
+from fatigue_planner.pomdp.problem import Pomdp, Vector, expected_reward
 
 Array = NDArray[np.float64]
 
@@ -30,9 +30,8 @@ class Belief(ABC):
 
     def expected_rewards(self) -> Vector:
         """Expected reward of every action for one cycle, (A,)."""
-        parts = {name: self.model.parts[name] for name in ("outcome_probabilities", "advance")}
         values = np.zeros(len(self.model.actions))
-        kernel = specialised(add_expected_rewards, **parts)
+        kernel = specialised(add_expected_rewards, expected_reward=self.model.parts["expected_reward"])
         kernel(self.model.arrays, self.states, self.weights, len(self.model.outcomes), values)
         return values
 
@@ -43,9 +42,4 @@ def add_expected_rewards(arrays: object, states: Array, weights: Vector, outcome
     moved = np.empty(states.shape[1])
     for action in range(values.size):
         for i in range(weights.size):
-            outcome_probabilities(arrays, states[i], action, probabilities)
-            for outcome in range(outcomes):
-                if probabilities[outcome] > 0:
-                    moved[:] = states[i]
-                    reward = advance(arrays, moved, action, outcome)
-                    values[action] += weights[i] * probabilities[outcome] * reward
+            values[action] += weights[i] * expected_reward(arrays, states[i], action, probabilities, moved)
