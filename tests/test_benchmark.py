@@ -19,10 +19,10 @@ from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, read_table, trial_table
 from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
-from fatigue_planner.cli.options import choose
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.selection import choose
 from fatigue_planner.planners.policy import Decision, Policy, plain_decision
 from fatigue_planner.planners.settings import GreedySettings, LookaheadSettings, PomcpSettings, RandomSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief

@@ -1,11 +1,9 @@
 """`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import pandas as pd
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -23,20 +21,17 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     ResultsFolder,
-    choose,
     command_line,
     counter,
     talk,
 )
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
-from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.cycle_map import CycleProfile
-from fatigue_planner.files import DIGEST_LENGTH, digest_of, publish_text, writable_folder
-from fatigue_planner.planners.reference import describe, reference_for
-from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
+from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
+from fatigue_planner.experiment.selection import Selection, cells, selected
+from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.planners.reference import describe
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.reactions.reaction import ReactionName, digests
+from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
@@ -75,22 +70,22 @@ def benchmark(
     """
     settings = load_experiment(experiment)
     wanted = Selection(cycles, conditions, policies, trials, descents, seed, regret)
-    grid = _changed(settings, wanted)
+    grid = selected(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
-    folder = writable_folder(results / (settings.name + _suffix(wanted)))
-    cells = _cells(grid, profiles, wanted.regret)
-    table = _run(cells, store, jobs)
+    folder = writable_folder(results / (settings.name + wanted.suffix()))
+    grid_cells = cells(grid, profiles, regret)
+    table = _run(grid_cells, store, jobs)
     publish_table(folder, table)
     comparison = comparison_table(table, settings.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
     summary = summary_text(comparison, settings.significance_level)
     files = [TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE]
     if regret:
-        summary += "\n" + _regret_summary(cells, table)
+        summary += "\n" + _regret_summary(grid_cells, table)
         files.append(REGRET_FILE)
     if bound:
-        gaps = gap_table(comparison, _run_bounds(cells, results / settings.name / "bounds", jobs))
+        gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", jobs))
         publish_bounds(folder, gaps)
         summary += "\n" + gap_text(gaps)
         files.append(BOUNDS_FILE)
@@ -106,73 +101,6 @@ def benchmark(
     typer.echo(summary)
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
-
-
-@dataclass(frozen=True)
-class Selection:
-    """What the options ask of the grid; None leaves it as it is in the file."""
-
-    cycles: Sequence[int] | None
-    conditions: Sequence[str] | None
-    policies: Sequence[str] | None
-    trials: int | None
-    descents: int | None
-    seed: int | None
-    regret: bool
-
-
-def _changed(experiment: Experiment, wanted: Selection) -> Experiment:
-    """The experiment with the grid the options ask for. Raises SelectionError for unknown names."""
-    grid = experiment.benchmark
-    chosen_policies = {name: grid.policies[name] for name in choose("policies", list(grid.policies), wanted.policies)}
-    if wanted.descents is not None:
-        chosen_policies = {
-            name: policy.model_copy(update={"descents": wanted.descents, "seconds": None})
-            if isinstance(policy, PomcpSettings)
-            else policy
-            for name, policy in chosen_policies.items()
-        }
-    chosen_conditions = choose("conditions", list(grid.conditions), wanted.conditions)
-    changes = {
-        "n_cycles": tuple(choose("cycles", grid.n_cycles, wanted.cycles)),
-        "conditions": {name: grid.conditions[name] for name in chosen_conditions},
-        "policies": chosen_policies,
-        "trials": wanted.trials or grid.trials,
-        "seed": grid.seed if wanted.seed is None else wanted.seed,
-    }
-    return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes)})
-
-
-def _suffix(wanted: Selection) -> str:
-    """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
-    lists: dict[str, Sequence[object] | None] = {
-        "cycles": wanted.cycles, "conditions": wanted.conditions, "policies": wanted.policies
-    }  # fmt: skip
-    numbers = {"trials": wanted.trials, "descents": wanted.descents, "seed": wanted.seed}
-    parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
-    parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
-    parts += ["_regret"] if wanted.regret else []
-    suffix = "".join(parts)
-    return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
-
-
-def _cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], with_regret: bool) -> list[Cell]:
-    grid = experiment.benchmark
-    situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
-    references: dict[str, LookaheadSettings | None] = dict.fromkeys(situations)
-    if with_regret:
-        references = {
-            name: grid.reference or reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
-            for name, one in situations.items()
-        }
-    return [
-        Cell(
-            condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials, references[condition]
-        )
-        for condition in grid.conditions
-        for n_cycles in grid.n_cycles
-        for policy, settings in grid.policies.items()
-    ]
 
 
 def _regret_summary(cells: Sequence[Cell], table: pd.DataFrame) -> str:

@@ -12,13 +12,13 @@ from fatigue_planner.cli.options import (
     EXIT_CODES,
     CacheFolder,
     ExperimentFile,
-    choose,
     command_line,
 )
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.selection import choose
 from fatigue_planner.exports.urdf import urdf_text
 from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
 from fatigue_planner.files import publish_text

@@ -1,18 +1,14 @@
 """Options that several commands share."""
 
 import shlex
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from fatigue_planner.errors import SelectionError
 from fatigue_planner.parallel import available_cores
-
-T = TypeVar("T")
 
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the reaction libraries.")]
@@ -37,20 +33,6 @@ def command_line(command: str, experiment: Path, cache: Path, results: Path = DE
     if results != DEFAULT_RESULTS:
         words += ["--results", str(results)]
     return shlex.join(words)
-
-
-def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> list[T]:
-    """The wanted items in the order of `available`; all, if nothing is wanted in particular.
-
-    Raises SelectionError naming what is not available.
-    """
-    if not wanted:
-        return list(available)
-    unknown = [item for item in wanted if item not in available]
-    if unknown:
-        named, known = ", ".join(map(str, unknown)), ", ".join(map(str, available))
-        raise SelectionError(f"--{what} {named}: not in the experiment; available: {known}.")
-    return [item for item in available if item in wanted]
 
 
 def talk() -> Console:

@@ -14,7 +14,6 @@ from fatigue_planner.cli.options import (
     DEFAULT_RESULTS,
     CacheFolder,
     ExperimentFile,
-    choose,
     command_line,
     talk,
 )
@@ -22,6 +21,7 @@ from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.selection import choose
 from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.viewer.performance import Performance, performance_of
