@@ -34,9 +34,11 @@ from xml.etree import ElementTree
 
 # One thread of linear algebra, as in `fatplan simulate`; the other side inherits it.
 os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
 import pinocchio as pin
+from environments import PeerMissingError, environment_of
 
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
@@ -52,34 +54,6 @@ PAPER = HERE.parents[1] / "experiments" / "paper.yaml"
 REQUIREMENTS = HERE / "requirements.txt"
 ROUNDS = 7
 JOINTS = ("lumbar_flexion", "right_shoulder_flexion", "right_wrist_deviation", "right_knee_flexion")
-
-
-class PlacoMissingError(Exception):
-    """placo's environment cannot be made or does not work here."""
-
-
-def environment() -> Path:
-    """The Python of placo's environment, made if it is not there yet."""
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan" / "placo-env"
-    python, made_from = folder / "bin" / "python", folder / REQUIREMENTS.name
-    wanted = REQUIREMENTS.read_text()
-    try:
-        if not made_from.exists() or made_from.read_text() != wanted:
-            print(f"setting up placo in {folder} (once)", flush=True)
-            _run(sys.executable, "-m", "venv", "--clear", folder)
-            _run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", REQUIREMENTS)
-            made_from.write_text(wanted)
-        _run(python, "-c", "import placo")
-    except subprocess.CalledProcessError as error:
-        lines = (error.stderr or error.stdout or str(error)).strip().splitlines()
-        raise PlacoMissingError(lines[-1]) from error
-    except OSError as error:
-        raise PlacoMissingError(str(error)) from error
-    return python
-
-
-def _run(*command: str | Path) -> None:
-    subprocess.run(command, check=True, capture_output=True, text=True)
 
 
 class Placo:
@@ -231,8 +205,8 @@ def show_speed(names: list[str], seconds: dict[str, np.ndarray]) -> None:
 
 def main() -> None:
     try:
-        python = environment()
-    except PlacoMissingError as error:
+        python = environment_of("placo", "placo", REQUIREMENTS)
+    except PeerMissingError as error:
         print(f"comparison with placo skipped, it cannot be had here: {error}")
         return
     print(__doc__[__doc__.index("Equal on both sides") :])

@@ -28,9 +28,11 @@ from pathlib import Path
 from typing import Any
 
 os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
 from by_hand import CompilerMissingError, Root, SearchByHand
+from environments import PeerMissingError, environment_of
 from problems import Problem, experiment_problems, synthetic_problem
 
 from fatigue_planner.planners.pomcp import PomcpPolicy
@@ -76,10 +78,6 @@ def by_hand(search: SearchByHand, case: Case, seed: int) -> Root:
     return search(case.problem.belief, case.descents, case.constant, case.backup == "max", seed)
 
 
-class PeerMissingError(Exception):
-    """The environment of a peer cannot be made or does not work here."""
-
-
 class Peer:
     """A search in another process: one line of JSON in, one out."""
 
@@ -123,30 +121,6 @@ class Peer:
 
     def close(self) -> None:
         self.process.communicate()
-
-
-def pomdp_py_environment() -> Path:
-    """The Python of pomdp-py's environment, made if it is not there yet."""
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan" / "pomdp-py-env"
-    python, made_from = folder / "bin" / "python", folder / REQUIREMENTS.name
-    wanted = REQUIREMENTS.read_text()
-    try:
-        if not made_from.exists() or made_from.read_text() != wanted:
-            print(f"setting up pomdp-py in {folder} (once)", flush=True)
-            _run(sys.executable, "-m", "venv", "--clear", folder)
-            _run(python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", REQUIREMENTS)
-            made_from.write_text(wanted)
-        _run(python, "-c", "import pomdp_py")
-    except subprocess.CalledProcessError as error:
-        lines = (error.stderr or error.stdout or str(error)).strip().splitlines()
-        raise PeerMissingError(lines[-1]) from error
-    except OSError as error:
-        raise PeerMissingError(str(error)) from error
-    return python
-
-
-def _run(*command: str | Path) -> None:
-    subprocess.run(command, check=True, capture_output=True, text=True)
 
 
 def check(cases: list[Case]) -> None:
@@ -232,7 +206,7 @@ def main() -> None:
     check(cases)
     peers = {"plain Python": Peer(sys.executable, "plain_python.py", NUMBA_DISABLE_JIT="1")}
     try:
-        peers["pomdp-py"] = Peer(pomdp_py_environment(), "pomdp_py_search.py")
+        peers["pomdp-py"] = Peer(environment_of("pomdp-py", "pomdp_py", REQUIREMENTS), "pomdp_py_search.py")
     except PeerMissingError as error:
         print(f"pomdp-py left out, it cannot be had here: {error}")
     try:
