@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Hashable, Sequence
+from enum import Enum
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -136,9 +137,16 @@ def _meaning(value: object, inside: tuple[object, ...] = (), names: Sequence[str
         used = {name: _meaning(known[name], way, names) for name in names if name in known}
         cells = [_meaning(cell.cell_contents, way, names) for cell in function.__closure__ or ()]
         origin = [function.__module__, _source(Path(function.__code__.co_filename))]
-        return [origin, _plain(function.__code__), used, cells, repr(function.__defaults__)]
+        usual = [repr(function.__defaults__), repr(function.__kwdefaults__)]
+        return [origin, _plain(function.__code__), used, cells, usual]
     if isinstance(value, np.ndarray):
         return [value.dtype.str, value.shape, value.tobytes()]
+    if isinstance(value, type):
+        members = (
+            {name: repr(member.value) for name, member in value.__members__.items()} if issubclass(value, Enum) else {}
+        )
+        module = sys.modules.get(value.__module__)
+        return [value.__module__, value.__qualname__, members, _source(Path(getattr(module, "__file__", None) or ""))]
     if isinstance(value, tuple):
         return [_meaning(item, inside, names) for item in value]
     if isinstance(value, ModuleType):

@@ -344,3 +344,17 @@ def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_pe
     assert_no_policy_beats(found, costs, comparisons=9 * len(costs))
     best = min(costs.values(), key=np.mean)
     assert best.mean() - allowance(best, 9) < 1.01 * found.cost
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_experts_choice_between_equal_costs_is_not_decided_by_rounding(seed: int) -> None:
+    """Reactions that tire mirrored joints: which of them is the cheaper one is told by the order of a sum only."""
+    rng = np.random.default_rng(seed)
+    offset = rng.uniform(0.05, 0.5, 4)
+    gain = np.array([0.9, 0.9, 0.1, 0.1])
+    model = Model(np.tile(gain, (1, 2, 1)), np.stack([offset, offset[[1, 0, 3, 2]]])[None], math.inf)
+    start = Start(np.zeros((1, 4)), np.ones(1))
+    found = bound(model, start, 3)
+    assert not found.exact
+    either = [optimum(Model(model.gain[:, [u]], model.offset[:, [u]], 0.0), start, 3) for u in (0, 1)]
+    assert found.cost <= min(*either, optimum(model, start, 3))

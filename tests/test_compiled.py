@@ -108,9 +108,14 @@ def function_found_in_a_module(_, x):
     return helper.more(0, x)
 
 
+@compiled
+def member_of_a_class(_, x):
+    return x + constants.Kind.USUAL.value
+
+
 closure = adding(1.0)
 PARTS = (
-    own_constant, global_number, global_pair, global_array, closure,
+    member_of_a_class, own_constant, global_number, global_pair, global_array, closure,
     function_of_another_module, number_of_another_module, function_found_in_a_module,
 )
 
@@ -148,7 +153,15 @@ def helped(_, x):
 def more(_, x):
     return x + constants.VALUE
 """
-CONSTANTS = "VALUE = 1.0\n"
+CONSTANTS = """
+from enum import Enum
+
+VALUE = 1.0
+
+
+class Kind(Enum):
+    USUAL = 1.0
+"""
 
 
 def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
@@ -171,7 +184,7 @@ def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
             PYTHONDONTWRITEBYTECODE="1",
         )
         own, helper, constant = map(float, values)
-        expected = [own] * 5 + [helper, constant, constant]
+        expected = [constant] + [own] * 5 + [helper, constant, constant]
         assert json.loads(printed) == [7.0, *expected, *expected]
 
 

@@ -6,7 +6,18 @@ import time
 import numpy as np
 import pytest
 from scipy import stats
-from small_problems import EXPERTISES, expectimax, nodes_of, pomcp, relaxed, small_model, tree_of, two_starts
+from small_problems import (
+    EXPERTISES,
+    expectimax,
+    nodes_of,
+    pomcp,
+    random_tables,
+    relaxed,
+    small_model,
+    table_belief,
+    tree_of,
+    two_starts,
+)
 from tree_checks import assert_counts, children
 
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
@@ -156,3 +167,32 @@ def test_a_budget_too_short_for_anything_still_tries_every_action(seconds: float
     settings = PomcpSettings(kind="pomcp", backup="max", exploration_constant=0.02, seconds=seconds)
     decision = PomcpPolicy(settings).act(two_starts(small_model(0.0)), np.random.default_rng(3))
     assert decision.visits.min() > 0 and np.isfinite(decision.values).all() and decision.depth >= 1
+
+
+def test_a_policy_that_meets_another_problem_starts_with_memory_of_its_own() -> None:
+    """Compiled code checks no bounds: a tree of other actions or observations would be read beyond its records."""
+    policy, rng = PomcpPolicy(pomcp(50, reuse_tree=True)), np.random.default_rng(3)
+    policy.act(table_belief(random_tables(1, actions=5, states=2, horizon=3, sharp=True), [0.5, 0.5]), rng)
+    other = table_belief(random_tables(2, actions=2, states=7, horizon=3, sharp=True), np.full(7, 1 / 7))
+    decision = policy.act(other, rng)
+    assert decision.visits.shape == (2,) and decision.visits.sum() == 50
+
+
+def test_a_search_with_a_time_limit_never_copies_its_tree() -> None:
+    """Its room is there from the start, so that no decision is late because the tree has grown."""
+    policy = PomcpPolicy(PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.1, seconds=0.02))
+    belief = two_starts(small_model(0.0))
+    rng = np.random.default_rng(3)
+    policy.act(belief, rng)
+    first = policy._tree
+    decision = policy.act(belief, rng)
+    assert first is not None and policy._tree is first and first.nodes.size > 10 * decision.visits.sum()
+
+
+def test_numbers_that_are_none_of_the_problems_are_refused() -> None:
+    belief, rng = two_starts(small_model(0.0)), np.random.default_rng(0)
+    for action, observation in ((2, 0), (-1, 0), (0, 2), (0, -1)):
+        with pytest.raises(IndexError, match="the problem has 2, numbered from 0"):
+            belief.update(action, observation, rng)
+    with pytest.raises(IndexError, match="action 5"):
+        belief.model.happen(belief.states[0], 5, rng)

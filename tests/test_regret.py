@@ -1,6 +1,7 @@
 """Regret and bounds: by hand, and as a benchmark reports them."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,18 +12,28 @@ from fatigue_planner.benchmark.bounds import BOUNDS_FILE, bound_of, publish_boun
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_cell, run_grid
 from fatigue_planner.benchmark.table import REGRETS, publish_table, trial_table
+from fatigue_planner.errors import ExperimentError
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.effort import check_effort
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.reference import describe, reference_for
-from fatigue_planner.planners.settings import AlternatingSettings, GreedySettings, LookaheadSettings
+from fatigue_planner.planners.settings import (
+    AlternatingSettings,
+    GreedySettings,
+    LookaheadSettings,
+    PomcpSettings,
+    ReferenceSettings,
+)
+from fatigue_planner.pomdp.fatigue_model import one_worker
 from fatigue_planner.pomdp.situation import Situation
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
 
-REFERENCE = LookaheadSettings(kind="lookahead", depth=3)
+REFERENCE = ReferenceSettings(kind="lookahead", depth=3)
+SAME = LookaheadSettings(kind="lookahead", depth=3)
 
 
 @pytest.fixture(scope="module")
@@ -53,9 +64,9 @@ def test_regret_is_what_the_decisions_lose_by_the_references_values(situations: 
 
 def test_the_reference_loses_nothing_and_measuring_changes_nothing(situations: dict[str, Situation]) -> None:
     one = situations["single_novice"]
-    own = run_cell(cell(one, "reference", REFERENCE), range(3))
+    own = run_cell(cell(one, "reference", SAME), range(3))
     assert all(r.regret and (r.regret.run_loss, r.regret.agreement) == (0, 1) for r in own.values())
-    plain = run_cell(cell(one, "reference", REFERENCE, reference=None), range(3))
+    plain = run_cell(cell(one, "reference", SAME, reference=None), range(3))
     assert [r.discounted_return for r in plain.values()] == [r.discounted_return for r in own.values()]
     assert all(r.regret is None for r in plain.values())
 
@@ -76,12 +87,16 @@ def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_pa
 
 def test_regret_table_by_hand() -> None:
     rows = [("c", 5, "p", -2.0, 0.1, 0.4, 0.5), ("c", 5, "p", -4.0, 0.3, 0.8, 1.0), ("c", 5, "q", -1.0, 0, 0, 1.0)]
-    trials = pd.DataFrame(rows, columns=["condition", "n_cycles", "policy", "discounted_return", *REGRETS])
+    columns = ["condition", "n_cycles", "policy", "discounted_return", *REGRETS]
+    trials = pd.DataFrame(rows, columns=columns).assign(deterministic=False)
     table = regret_table(trials)
     assert list(table["policy"]) == ["q", "p"]  # the smallest loss first
     worse = table.iloc[1]
     assert worse["run_loss"] == pytest.approx(0.6) and worse["run_loss_share"] == pytest.approx(0.2)
     assert worse["run_loss_standard_error"] == pytest.approx(0.2) and worse["agreement"] == pytest.approx(0.75)
+    assert math.isnan(table.iloc[0]["run_loss_standard_error"])  # one run of chance says nothing of its spread
+    certain = regret_table(trials.assign(deterministic=True)).iloc[0]
+    assert certain["run_loss_standard_error"] == 0
     text = regret_text(table, {"c": "the oracle"})
     assert "reference: the oracle" in text and "20.000%" in text
 
@@ -138,6 +153,48 @@ def test_gaps_in_words(tmp_path: Path) -> None:
     table = gap_table(comparison_table(trials, 0.05), bounds)
     assert table["gap"].tolist() == pytest.approx([0.05, 0.3])
     assert table["standard_error"].tolist() == pytest.approx([0.05, 0])
-    assert "at least 1.000000; p is at most 5.00 % ± 5.00 % above the optimum" in gap_text(table)
+    assert "at least 1.000000; the mean of p is 5.00 % ± 5.00 % above that" in gap_text(table, [])
+    assert "No bound where the worker is hidden: h." in gap_text(table, ["h"])
+    single = gap_table(comparison_table(trials[trials["trial"] == 0], 0.05), bounds)
+    assert single["standard_error"].isna().all() and "above that, one run" in gap_text(single, [])
     publish_bounds(tmp_path, table)
     assert (tmp_path / BOUNDS_FILE).read_text().startswith("condition,n_cycles,cost_bound,exact,policy,gap")
+
+
+@pytest.mark.parametrize("expertise", [0.0, 5000.0, math.inf])
+def test_the_reference_itself_has_no_regret(situations: dict[str, Situation], expertise: float) -> None:
+    """Whatever is left to chance: its values must not be noisy, or the best of them is too good."""
+    one = situations["single_novice"]
+    one = replace(one, model=one.model.for_workers(one_worker(expertise)))
+    chosen = reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
+    chosen = chosen.model_copy(update={"depth": 2})
+    same = LookaheadSettings.model_validate(chosen.model_dump())
+    results = run_cell(Cell("c", 5, "p", same, one, 5, 2, reference=chosen), range(2))
+    assert all(result.regret and result.regret.run_loss == 0 for result in results.values())
+
+
+def test_random_rollouts_are_chance_even_with_an_expert(situations: dict[str, Situation]) -> None:
+    one = situations["single_expert"]
+    rollouts = {"leaf_value": "random_rollout", "exploration_constant": 0.1}
+    search = PomcpSettings(kind="pomcp", backup="mean", descents=5, **rollouts)
+    assert not cell(one, "p", search).is_deterministic()
+    assert cell(one, "p", search.model_copy(update={"leaf_value": "none"})).is_deterministic()
+
+
+def test_where_nothing_tires_the_bound_is_nothing(situations: dict[str, Situation]) -> None:
+    one = situations["single_expert"]
+    nothing = replace(one, model=replace(one.model, live=np.zeros(0, np.intp)))
+    assert bound_of(nothing, 5).cost == 0 and bound_of(nothing, 5).exact
+    rows = [("c", 5, "p", trial, True, 0.0) for trial in (0, 1)]
+    columns = ["condition", "n_cycles", "policy", "trial", "deterministic", "discounted_return"]
+    bounds = pd.DataFrame({"condition": ["c"], "n_cycles": [5], "cost_bound": [0.0], "exact": [True]})
+    table = gap_table(comparison_table(pd.DataFrame(rows, columns=columns), 0.05), bounds)
+    assert table["gap"].tolist() == [0.0] and "nan" not in gap_text(table, [])
+
+
+def test_a_lookahead_that_never_ends_is_refused(situations: dict[str, Situation]) -> None:
+    one = situations["single_novice"]
+    belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
+    check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=8), belief)
+    with pytest.raises(ExperimentError, match=r"benchmark\.policies\.p\.depth = 30: .* so try 1\d or less"):
+        check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=30), belief)

@@ -22,6 +22,8 @@ def bound_of(situation: Situation, n_cycles: int) -> CostBound:
     """The bound of a situation whose worker is known."""
     model = situation.model
     live = model.live.size
+    if live == 0:  # nothing ever tires
+        return CostBound(cost=0.0, exact=True, state_revealed=False, exact_cycles=n_cycles, memory=0, seconds=0.0)
     shape = (len(model.actions), len(model.outcomes), -1)
     return cost_lower_bound(
         model.arrays.gain.reshape(shape)[:, :, :live],

@@ -5,7 +5,7 @@ from importlib.metadata import version
 
 from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
+from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.situation import Situation
 
 # What produces the numbers of a trial besides its settings and reactions.
@@ -23,7 +23,7 @@ class Cell:
     situation: Situation
     seed: int
     trials: int
-    reference: LookaheadSettings | None = None
+    reference: ReferenceSettings | None = None
 
     @property
     def name(self) -> str:

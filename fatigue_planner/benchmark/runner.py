@@ -12,6 +12,7 @@ from fatigue_planner.benchmark.trial import Reference, TrialResult, draw_world, 
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PomcpSettings
 
 TRIALS_PER_PART = 5
 
@@ -63,10 +64,17 @@ def run_grid(
 def _run_and_keep(part: tuple[Cell, list[int], Path]) -> Results:
     """Run some trials and store them at once, whatever becomes of the parent process."""
     cell, trials, store_folder = part
-    # a throw-away decision: no planning time includes loading compiled code
-    rng = np.random.default_rng(0)
-    belief = cell.situation.initial_belief(cell.settings.knows, cell.situation.model, rng)
-    build_policy(cell.settings).act(belief, rng)
+    _load_compiled_code(cell, trials if cell.situation.prior else trials[:1])
     results = run_cell(cell, trials)
     TrialStore(store_folder).add(cell, results)
     return results
+
+
+def _load_compiled_code(cell: Cell, trials: Sequence[int]) -> None:
+    """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""
+    settings, rng = cell.settings, np.random.default_rng(0)
+    if isinstance(settings, PomcpSettings):
+        settings = settings.model_copy(update={"descents": 1, "seconds": None})
+    for trial in trials:
+        world = cell.situation.worker(draw_world(cell.seed, cell.condition, cell.n_cycles, trial).worker)
+        build_policy(settings).act(cell.situation.initial_belief(settings.knows, world, rng), rng)

@@ -15,6 +15,10 @@ from fatigue_planner.pomdp.situation import Knowledge, Situation
 Vector = NDArray[np.float64]
 
 
+# A loss of this share of the value is none.
+ROUNDING = 1e-12
+
+
 @dataclass(frozen=True)
 class World:
     """The chance of one run: uniform draws in [0, 1) for the worker (3,), the start and every cycle."""
@@ -30,8 +34,10 @@ class Regret:
     """What the decisions of a run lose against a reference, by the reference's own values.
 
     decision_loss: mean over the decisions of max_a Q(b, a) - Q(b, action taken), >= 0
-    run_loss: the sum of gamma^t times these; by the performance-difference lemma (Kakade & Langford 2002) its
-        mean is what the policy's expected return falls short of the reference's, where Q is exact
+    run_loss: the sum of gamma^t times these; in the task without end its mean is what the policy's expected
+        return falls short of the best, if Q is exact and the run long (performance-difference lemma, Kakade &
+        Langford 2002). The reference, like the policies, does not know when the run ends: at the end of a short
+        run it gives up some return for a future that is not counted.
     agreement: share of the decisions that lose nothing
     """
 
@@ -99,7 +105,8 @@ def run_trial(
         if reference is not None:
             judged = belief if knows == "prior" else judged
             values = reference.policy.values(judged, reference.rng)
-            losses[cycle] = values.max() - values[action]
+            loss = values.max() - values[action]
+            losses[cycle] = loss if loss > ROUNDING * abs(values.max()) else 0.0
         preference = draw(model.probabilities(state, action), world.preference[cycle])
         state, reward = model.after(state, action, preference)
         observation = draw(model.observation_probabilities(state, action, preference), world.observation[cycle])

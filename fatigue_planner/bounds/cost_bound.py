@@ -21,7 +21,8 @@ largest that keeps (1): the minimum over a box of separable quadratics has a clo
 between their least and greatest values (`reaction_range`), which can only lower the right side of (1). So
 the bound needs no solver and has no tolerance: slopes chosen badly make it lower, not wrong. Only rounding
 remains: sums of L terms of the size of the bound, at 2^-53 each, which over 100 cycles stay below 1e-12
-of the bound. ROUNDING of it is given away.
+of the bound. ROUNDING of it is given away; an expert's choice between costs that differ by no more than
+rounding ends the exact cycles before it (`lookahead.look_ahead`).
 
 Where the initial state is hidden, the first d cycles are minimised over what depends on the history of
 actions and reactions only, for all initial states together. From then on every initial state has its own
@@ -95,6 +96,9 @@ def cost_lower_bound(
         tasks, shares = [known_state(gain, offset, expertise, s, discount, entries) for s in states], weights
     memory = min(class_memory(tasks[0].branches, classes), n_cycles)
     lookahead = look_ahead(tasks, shares, n_cycles, memory, leaves)
+    if len(lookahead.levels) < memory:  # a choice too close to call; classes can remember no more
+        memory = len(lookahead.levels)
+        lookahead = look_ahead(tasks, shares, n_cycles, memory, leaves)
     depth = len(lookahead.levels)
     leaf_cost = np.zeros(len(lookahead.classes))
     for s, task in enumerate(tasks):

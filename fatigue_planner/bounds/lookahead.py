@@ -12,6 +12,11 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 
+# Above this expertise a difference in cost by rounding, some 1e-17, is felt in the choice; costs are of order 1e-3.
+DECISIVE = 1e6
+TOO_CLOSE = 1e-12
+
+
 @dataclass(frozen=True)
 class Level:
     """One cycle of the tree, for N histories.
@@ -50,6 +55,9 @@ class Lookahead:
 def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: int, leaves: int) -> Lookahead:
     """As many cycles as end in no more than `leaves` states; at least `memory`, at most `n_cycles`.
 
+    It ends, even before `memory`, where an expert's choice is too close to call: which of two equal costs is
+    the smaller one depends on the order of a sum.
+
     tasks, weights (S,): the same problem from every initial state, and their probabilities. The action
     depends on the history alone, so it is the same for all of them.
     """
@@ -62,6 +70,8 @@ def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: in
     while len(levels) < n_cycles:
         after = task.gain[:, :, None] * states[:, None, None] + task.offset[:, :, None]
         cost = np.moveaxis(np.square(after) @ task.cost_weight, -1, 1)
+        if task.expertise > DECISIVE and (np.sort(cost)[..., 1:2] - cost.min(axis=-1, keepdims=True) < TOO_CLOSE).any():
+            break
         joint = share[:, :, None, None] * task.choice(cost)
         kept = np.any(joint > 0, axis=1)
         if len(levels) >= memory and np.count_nonzero(kept) * len(tasks) > leaves:

@@ -87,7 +87,8 @@ def benchmark(
     if bound:
         gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", jobs))
         publish_bounds(folder, gaps)
-        summary += "\n" + gap_text(gaps)
+        hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.situation.prior is not None)
+        summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
     else:
         (folder / BOUNDS_FILE).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings

@@ -86,7 +86,7 @@ def situation(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfi
         workers = average_worker(prior)
     preferences = tuple(experiment.preferences)
     observations, matrix = preferences, None
-    if experiment.recognition is not None:
+    if experiment.recognition_errs():
         observations, matrix = experiment.recognised()
     model = build_pomdp(
         tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations

@@ -12,7 +12,7 @@ from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
-from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
+from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.settings import Settings
@@ -58,7 +58,7 @@ class Benchmark(Settings):
     trials: int = Field(ge=1, le=1_000_000)
     seed: int = Field(ge=0)
     # What `--regret` measures decisions against; left out, the deepest affordable lookahead.
-    reference: LookaheadSettings | None = None
+    reference: ReferenceSettings | None = None
 
 
 class Experiment(Settings):
@@ -133,6 +133,22 @@ class Experiment(Settings):
             raise ValueError(f"{key}.expertise: hidden_workers.{condition.hidden_worker} already gives one")
 
     @model_validator(mode="after")
+    def _check_leaf_values(self) -> Self:
+        named = {f"policies.{name}": policy for name, policy in self.benchmark.policies.items()}
+        reference = self.benchmark.reference
+        for name, planner in (named | ({"reference": reference} if reference else {})).items():
+            if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
+                raise ValueError(
+                    f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
+                )
+        certain = all(one.expertise == float("inf") for one in self.benchmark.conditions.values())
+        if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
+            raise ValueError(
+                "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _check_recognition(self) -> Self:
         if self.recognition is None:
             return self
@@ -146,7 +162,7 @@ class Experiment(Settings):
     @model_validator(mode="after")
     def _check_belief(self) -> Self:
         if self.belief is not None and self.belief.kind == "exact":
-            if self.recognition is not None:
+            if self.recognition_errs():
                 raise ValueError("belief.kind: exact needs reactions recognised without error; use particles")
             for name, hidden in self.hidden_workers.items():
                 size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
@@ -156,6 +172,10 @@ class Experiment(Settings):
                         f"{'infinitely many' if math.isinf(size) else size}; use particles"
                     )
         return self
+
+    def recognition_errs(self) -> bool:
+        """Whether a reaction may be taken for another one."""
+        return any(line.get(name, 0.0) < 1 for name, line in (self.recognition or {}).items())
 
     def recognised(self) -> tuple[tuple[str, ...], NDArray[np.float64]]:
         """What a reaction can be recognised as, and the probabilities (preferences, observations)."""

@@ -12,8 +12,9 @@ from fatigue_planner.experiment.resolve import situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleProfile
 from fatigue_planner.files import DIGEST_LENGTH, digest_of
+from fatigue_planner.planners.effort import check_effort
 from fatigue_planner.planners.reference import reference_for
-from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings
+from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings, ReferenceSettings
 from fatigue_planner.reactions.reaction import ReactionName
 
 T = TypeVar("T")
@@ -85,15 +86,25 @@ def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettin
 
 
 def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], with_regret: bool) -> list[Cell]:
-    """The cells of the experiment's grid; with regret, each with the reference of its condition."""
+    """The cells of the experiment's grid; with regret, each with the reference of its condition.
+
+    Raises ExperimentError for a lookahead that could never be waited for.
+    """
     grid = experiment.benchmark
     situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
-    references: dict[str, LookaheadSettings | None] = dict.fromkeys(situations)
+    beliefs = {
+        name: one.initial_belief("prior", one.model, np.random.default_rng(0)) for name, one in situations.items()
+    }
+    for name, policy in grid.policies.items():
+        if isinstance(policy, LookaheadSettings):
+            for belief in beliefs.values():
+                check_effort(f"benchmark.policies.{name}", policy, belief)
+    references: dict[str, ReferenceSettings | None] = dict.fromkeys(situations)
     if with_regret:
-        references = {
-            name: grid.reference or reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
-            for name, one in situations.items()
-        }
+        references = {name: grid.reference or reference_for(belief) for name, belief in beliefs.items()}
+        if grid.reference is not None:
+            for belief in beliefs.values():
+                check_effort("benchmark.reference", grid.reference, belief)
     return [
         Cell(
             condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials, references[condition]

@@ -9,7 +9,7 @@ from fatigue_planner.planners.parts import bound_arrays_for, lookahead_kernel
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
 from fatigue_planner.planners.search.expectimax import Levels, new_levels
 from fatigue_planner.planners.search.numbers import Numbers, new_room, tables
-from fatigue_planner.planners.settings import LookaheadSettings
+from fatigue_planner.planners.settings import LookaheadSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -20,7 +20,7 @@ class LookaheadPolicy(Policy):
     Its memory is kept from decision to decision.
     """
 
-    def __init__(self, settings: LookaheadSettings) -> None:
+    def __init__(self, settings: LookaheadSettings | ReferenceSettings) -> None:
         self.settings = settings
         # an expert leaves nothing to chance in a greedy rollout; random ones are drawn whatever the worker
         self.draws_at_random = settings.leaf_value == "random_rollout"

@@ -15,7 +15,9 @@ from fatigue_planner.pomdp.problem import Pomdp
 
 # A search with a time limit looks at the clock once per so many descents.
 DESCENTS_PER_LOOK = 50
-FIRST_CAPACITY = 4096
+# The room of a search with a time limit: memory is taken from the system only where it is used.
+MOST_NODES = 1_000_000
+MOST_BYTES = 2**28
 
 
 class PomcpPolicy(Policy):
@@ -26,12 +28,13 @@ class PomcpPolicy(Policy):
 
     def __init__(self, settings: PomcpSettings) -> None:
         self.settings = settings
-        self.draws_at_random = settings.seconds is not None  # how far it comes in a time differs from run to run
+        # how far it comes in a time differs from run to run
+        self.draws_at_random = settings.seconds is not None or settings.leaf_value == "random_rollout"
         self._tree: Tree | None = None
         self._spare: Tree | None = None
         self._kept = False  # whether the tree is what observe kept for this decision
         self._room: Room | None = None
-        self._tables = tables(0)
+        self._tables = tables(0 if settings.seconds is None else MOST_NODES + 1)
         self._model: Pomdp | None = None
         self._kernel: Any = None
         self._depth = 0
@@ -67,6 +70,8 @@ class PomcpPolicy(Policy):
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
         settings, model = self.settings, belief.model
         if model is not self._model:
+            if self._model is None or not _alike(model, self._model):
+                self._tree = self._spare = self._room = None
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
         if self._tree is not None and not self._kept:
@@ -92,14 +97,15 @@ class PomcpPolicy(Policy):
 
     def _grow_until(self, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
         """Grow until another look at the clock might come too late; one descent at least per action."""
-        descents, longest = len(belief.model.actions), 0.0
+        descents = len(belief.model.actions)
+        self._memory(belief, descents)
         while True:
             begin = time.perf_counter()
             tree = self._grow(belief, descents, rng)
             now = time.perf_counter()
-            longest = max(longest, (now - begin) / descents * DESCENTS_PER_LOOK)
+            next_look = (now - begin) / descents * DESCENTS_PER_LOOK
             descents = DESCENTS_PER_LOOK
-            if now + 2 * longest > end:
+            if now + 2 * next_look > end or tree.size[0] + descents > tree.nodes.size:
                 return tree
 
     def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Room]:
@@ -107,17 +113,26 @@ class PomcpPolicy(Policy):
         model, settings = belief.model, self.settings
         tree = self._tree
         used = 1 if tree is None else int(tree.size[0])
-        capacity = FIRST_CAPACITY if tree is None else tree.nodes.size
-        if tree is None or used + descents > capacity:
-            capacity = max(capacity if tree is None else 2 * capacity, used + descents)
+        if tree is None or used + descents > tree.nodes.size:
             backup, exploration = BACKUPS[settings.backup], EXPLORATIONS[settings.exploration]
             shape = len(model.actions), len(model.observations)
-            larger = new_tree(capacity, node_type(*shape, backup.with_chances, exploration.with_spread))
+            record = node_type(*shape, backup.with_chances, exploration.with_spread)
+            capacity = used + descents
+            if settings.seconds is not None:
+                capacity = max(capacity, min(MOST_NODES, MOST_BYTES // record.itemsize))
+            larger = new_tree(capacity, record)
             if tree is not None:
                 larger.nodes[:used], larger.size[0] = tree.nodes[:used], used
             self._tree = tree = larger
+        capacity = tree.nodes.size
         width = belief.states.shape[1]
         if self._room is None or self._room.nodes.size < capacity or self._room.state.size != width:
             self._room = new_room(width, len(model.outcomes), capacity)
+        if self._tables[0].size <= capacity:
             self._tables = tables(capacity + 1)
         return tree, self._room
+
+
+def _alike(one: Pomdp, other: Pomdp) -> bool:
+    """Whether a tree of one problem serves the other: the same task, perhaps with other workers in mind."""
+    return (one.actions, one.outcomes, one.observations) == (other.actions, other.outcomes, other.observations)

@@ -1,8 +1,8 @@
 """The reference that other policies' decisions are measured against: the deepest affordable lookahead."""
 
-from fatigue_planner.planners.settings import LookaheadSettings
+from fatigue_planner.planners.effort import maps_of
+from fatigue_planner.planners.settings import ReferenceLeafValue, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.cyclic_plans import cyclic_plans
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
 
 # Cycle maps a decision of the reference may apply: some 20 ms.
@@ -11,32 +11,29 @@ ROLLOUT_CYCLES = 60
 DEEPEST = 14
 
 
-def reference_for(belief: Belief) -> LookaheadSettings:
+def reference_for(belief: Belief) -> ReferenceSettings:
     """The lookahead that is used as the reference in a situation with this initial belief.
 
-    Below its last level stand the values of cyclic plans where these are exact (a novice's choices do not
-    depend on fatigue), else greedy rollouts. An expert's choices are certain, so that every action has one
-    outcome.
+    Below its last level stand the values of cyclic plans; where nothing is left to chance (an expert), greedy
+    rollouts, which are better there. Other rollouts are chance, and the best of noisy values is too good.
     """
     model = belief.model
     assert isinstance(model, FatiguePomdp)
-    actions, outcomes = len(model.actions), len(model.outcomes)
-    if model.arrays.even and model.discount < 1:
-        leaf_value, leaf = "bound", len(cyclic_plans(actions))
-    else:
-        leaf_value, leaf = "greedy_rollout", ROLLOUT_CYCLES * (actions + 1) * outcomes
-    certain = bool((model.workers.expertise == float("inf")).all())
-    branches = actions * (1 if certain else outcomes) * (1 if model.telling else len(model.observations))
-    depth = 1
-    while depth < DEEPEST and len(belief.weights) * branches ** (depth + 1) * (leaf + outcomes) <= AFFORDABLE:
-        depth += 1
-    return LookaheadSettings(
-        kind="lookahead", depth=depth, leaf_value=leaf_value, rollout_cycles=ROLLOUT_CYCLES, knows="prior"
-    )
+    leaf_value: ReferenceLeafValue = "bound" if model.discount < 1 else "none"
+    if bool((model.workers.expertise == float("inf")).all()):
+        leaf_value = "greedy_rollout"
+    chosen = ReferenceSettings(kind="lookahead", depth=1, leaf_value=leaf_value, rollout_cycles=ROLLOUT_CYCLES)
+    while chosen.depth < DEEPEST:
+        deeper = chosen.model_copy(update={"depth": chosen.depth + 1})
+        if maps_of(deeper, belief) > AFFORDABLE:
+            break
+        chosen = deeper
+    return chosen
 
 
-def describe(settings: LookaheadSettings) -> str:
+def describe(settings: ReferenceSettings) -> str:
     """A lookahead in words."""
     below = {"none": "nothing", "bound": "cyclic plans"}.get(settings.leaf_value, "")
     below = below or f"{settings.leaf_value.replace('_', ' ')}s of {settings.rollout_cycles} cycles"
-    return f"lookahead over {settings.depth} cycles, then {below}"
+    cycles = "1 cycle" if settings.depth == 1 else f"{settings.depth} cycles"
+    return f"lookahead over {cycles}, then {below}"

@@ -45,7 +45,7 @@ class PomcpSettings(PolicySettingsBase):
     leaf_value: LeafValueName = "none"
     rollout_cycles: int = Field(default=20, ge=1, le=10_000)
     descents: int | None = Field(default=None, ge=1, le=1_000_000)
-    seconds: float | None = Field(default=None, gt=0)
+    seconds: float | None = Field(default=None, gt=0, le=3600)
     reuse_tree: bool = False
 
     @model_validator(mode="after")
@@ -61,6 +61,19 @@ class LookaheadSettings(PolicySettingsBase):
     kind: Literal["lookahead"]
     depth: int = Field(ge=1, le=30)
     leaf_value: LeafValueName = "none"
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
+
+
+ReferenceLeafValue = Literal["none", "greedy_rollout", "bound"]
+
+
+class ReferenceSettings(Settings):
+    """The lookahead that `--regret` measures decisions against; it knows the prior of a hidden worker."""
+
+    kind: Literal["lookahead"]
+    depth: int = Field(ge=1, le=30)
+    # greedy_rollout only where nothing is left to chance: the best of noisy values is too good
+    leaf_value: ReferenceLeafValue = "none"
     rollout_cycles: int = Field(default=20, ge=1, le=10_000)
 
 

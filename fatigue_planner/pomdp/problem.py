@@ -35,8 +35,8 @@ class Dynamics:
     expected_reward(arrays, state, action, probabilities, moved) -> reward, optional
         a short cut, too: the mean over the outcomes, whose probabilities it fills in; `moved` (L,) is scratch
     bound(bound_arrays, state) -> value, optional
-        a value that some policy is sure to reach from the state (leaf value `bound`); `bound_arrays` is the
-        problem's own, see `Pomdp.bound_arrays`
+        the value of the state, best a bound, for the leaves of searches (leaf value `bound`); `bound_arrays` is
+        the problem's own, see `Pomdp.bound_arrays`
     """
 
     outcome_probabilities: Callable[..., Any]
@@ -83,6 +83,12 @@ class Pomdp:
         """What `dynamics.bound` reads; computed when first asked for."""
         return None
 
+    def check(self, action: int, observation: int = 0) -> None:
+        """Raise IndexError for a number that is none of the problem's: compiled code would not notice."""
+        for what, number, names in (("action", action, self.actions), ("observation", observation, self.observations)):
+            if not 0 <= number < len(names):
+                raise IndexError(f"{what} {number}: the problem has {len(names)}, numbered from 0")
+
     def probabilities(self, state: Vector, action: int) -> Vector:
         """P(outcome | state, action), (K,)."""
         probabilities = np.empty(len(self.outcomes))
@@ -97,6 +103,7 @@ class Pomdp:
 
     def happen(self, state: Vector, action: int, rng: np.random.Generator) -> tuple[Vector, int, float]:
         """One cycle by chance: the state it leads to, what is observed, and the reward."""
+        self.check(action)
         moved = state.copy()
         observation, reward = self.parts["step"](self.arrays, moved, action, np.empty(len(self.outcomes)), rng)
         return moved, int(observation), float(reward)

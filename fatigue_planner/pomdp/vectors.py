@@ -24,11 +24,18 @@ GROUPS = (8, 4, 2, 1)  # so many blocks are read before any of them is written: 
 CACHE_LINE = 64  # bytes
 
 
+def aligned_zeros(shape: int | tuple[int, ...], kind: Any = np.float64) -> NDArray[Any]:
+    """Zeros whose memory begins at a cache line; the system gives it only where it is used."""
+    kind = np.dtype(kind)
+    size = int(np.prod(shape)) * kind.itemsize
+    raw = np.zeros(size + CACHE_LINE, np.uint8)
+    skip = -raw.ctypes.data % CACHE_LINE
+    return np.asarray(raw[skip : skip + size].view(kind).reshape(shape))
+
+
 def aligned(array: NDArray[Any]) -> NDArray[Any]:
     """A copy whose memory begins at a cache line."""
-    raw = np.zeros(array.nbytes + CACHE_LINE, np.uint8)
-    skip = -raw.ctypes.data % CACHE_LINE
-    copy = raw[skip : skip + array.nbytes].view(array.dtype).reshape(array.shape)
+    copy = aligned_zeros(array.shape, array.dtype)
     copy[...] = array
     return copy
 

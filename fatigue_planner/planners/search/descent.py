@@ -62,7 +62,7 @@ def grow(
     """Template: grow a tree by a number of descents from a belief (states (n, L), weights (n,)); its depth.
 
     The tree must have room for as many nodes. Equal scores go to the first action, so a problem without
-    chance has one tree, whatever the generator.
+    chance has one tree, whatever the generator (unless leaves are rated by random rollouts).
     """
     nodes, state = tree.nodes, room.state
     used = tree.size[0]

@@ -1,11 +1,12 @@
 """The numbers and the working memory of a search."""
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.pomdp.vectors import aligned
+from fatigue_planner.pomdp.vectors import aligned_zeros
 
 Vector = NDArray[np.float64]
 
@@ -24,6 +25,7 @@ class Numbers(NamedTuple):
     inverse: Vector
 
 
+@lru_cache(maxsize=4)
 def tables(size: int) -> tuple[Vector, Vector, Vector]:
     """sqrt(log n), 1 / sqrt(n) and 1 / n for n < size.
 
@@ -52,8 +54,8 @@ def new_room(width: int, outcomes: int, capacity: int) -> Room:
     """Memory for states of `width` numbers and a tree of `capacity` nodes."""
     path = np.empty(capacity, np.uint32)
     return Room(
-        aligned(np.zeros(width)),
-        aligned(np.zeros(width)),
+        aligned_zeros(width),
+        aligned_zeros(width),
         np.zeros(outcomes),
         path,
         path.copy(),

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.compiled import kernel
-from fatigue_planner.pomdp.vectors import CACHE_LINE, aligned
+from fatigue_planner.pomdp.vectors import CACHE_LINE, aligned_zeros
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def node_type(actions: int, observations: int, with_chances: bool, with_spread: 
 
 def new_tree(capacity: int, record: np.dtype[Any]) -> Tree:
     """A tree of the root alone, with room for `capacity` nodes."""
-    nodes = aligned(np.zeros(capacity, record))
+    nodes = aligned_zeros(capacity, record)
     if numba.config.DISABLE_JIT:
         nodes = nodes.view(np.recarray)  # fields as attributes, as in compiled code
     tree = Tree(nodes, np.zeros(1, np.int64))

@@ -26,7 +26,10 @@ class Belief(ABC):
 
     @abstractmethod
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "Belief":
-        """The belief after an action and an observation. Never raises, whatever is observed."""
+        """The belief after an action and an observation. Never raises, whatever of the problem's is observed.
+
+        Raises IndexError for the number of an action or observation that the problem has not.
+        """
 
     def expected_rewards(self) -> Vector:
         """Expected reward of every action for one cycle, (A,)."""

@@ -27,8 +27,9 @@ class ExactBelief(Belief):
         b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
         leads to. Where that is 0 for all, the outcome is taken for one the worker cannot have chosen, but
         did: P(u | s, a) is replaced by 1; and if nothing leads to the observation at all, the observation
-        is ignored. `rng` is not used.
+        is ignored. No weight falls below LEAST_WEIGHT. `rng` is not used.
         """
+        self.model.check(action, observation)
         kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states, log_weights = kernel(

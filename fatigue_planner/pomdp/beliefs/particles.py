@@ -80,6 +80,7 @@ class ParticleBelief(Belief):
 
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "ParticleBelief":
         """See Belief.update; an impossible observation is met as by the exact belief."""
+        self.model.check(action, observation)
         kernel = specialised(move_particles, **{name: self.model.parts[name] for name in PARTS})
         uniforms = rng.random(len(self.weights))
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
