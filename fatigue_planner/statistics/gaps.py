@@ -30,9 +30,10 @@ def gap_text(table: pd.DataFrame, left_out: Sequence[str]) -> str:
         bound = f"{'is' if best['exact'] else 'is at least'} {best['cost_bound']:.6f}"
         spread = f" ± {100 * best['standard_error']:.2f} %" if best["standard_error"] > 0 else ""
         one = ", one run" if math.isnan(best["standard_error"]) else ""
+        side = "below" if best["gap"] < 0 else "above"
         lines.append(
             f"  {condition}, {n_cycles} cycles: the least expected cost {bound}; the mean of {best['policy']} is "
-            f"{100 * best['gap']:.2f} %{spread} above {'it' if best['exact'] else 'that'}{one}"
+            f"{100 * abs(best['gap']):.2f} %{spread} {side} {'it' if best['exact'] else 'that'}{one}"
         )
     if left_out:
         lines.append(f"  No bound where the worker is hidden: {', '.join(left_out)}.")
