@@ -150,7 +150,7 @@ def _meaning(value: object, inside: tuple[object, ...] = (), names: Sequence[str
     if isinstance(value, tuple):
         return [_meaning(item, inside, names) for item in value]
     if isinstance(value, ModuleType):
-        file = Path(value.__file__ or "")
+        file = Path(getattr(value, "__file__", None) or "")  # a built-in module has none
         foreign = file.suffix == ".py" and "site-packages" not in file.parts and not file.is_relative_to(PACKAGE)
         looked_up = [name for name in names if foreign and hasattr(value, name)]
         way = (*inside, value)

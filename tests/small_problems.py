@@ -17,12 +17,20 @@ from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, Workers, build_pomdp, one_worker
+from fatigue_planner.pomdp.preference_choice import normalise_choice
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp
 
 # --- fatigue, made up -------------------------------------------------------------------------------------------
 
 NOISY = np.array([[0.8, 0.2], [0.3, 0.7]])
 STARTS = np.array([[0.1, 0.6, 0.2], [0.4, 0.1, 0.3]])
+
+
+def choice_probabilities(costs: np.ndarray, expertise: float) -> np.ndarray:
+    """Eq. 4 for costs (U,)."""
+    probabilities = costs.copy()
+    normalise_choice(probabilities, expertise)
+    return probabilities
 
 
 def small_profiles() -> dict[tuple[str, str], CycleProfile]:

@@ -7,6 +7,7 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.stats import t as student
+from small_problems import choice_probabilities
 
 from fatigue_planner.benchmark.bounds import bound_of
 from fatigue_planner.benchmark.trial import draw_world, run_trial
@@ -24,7 +25,6 @@ from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_model import build_pomdp, one_worker
-from fatigue_planner.pomdp.preference_choice import choice_probabilities
 from fatigue_planner.pomdp.situation import Situation
 from fatigue_planner.reactions.reaction import Reaction
 

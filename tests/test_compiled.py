@@ -25,6 +25,7 @@ from small_problems import (
     two_workers,
 )
 
+from fatigue_planner.compiled import _meaning
 from fatigue_planner.planners.backups.mean import expect_nothing
 from fatigue_planner.planners.leaf_values.none import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
@@ -222,6 +223,11 @@ def test_functions_that_get_a_problems_own_types_are_not_kept() -> None:
     """Else the file that lists what is kept could not be read by programs that do not know these types."""
     for function in (no_value, expect_nothing, tiger.advance):
         assert function.stats.cache_path is None
+
+
+def test_modules_without_a_file_are_no_obstacle() -> None:
+    """`math` is built into some Pythons and a file in others."""
+    assert _meaning(sys) == ["sys", {}]
 
 
 def beliefs() -> dict[str, ExactBelief]:

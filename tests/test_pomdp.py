@@ -9,6 +9,7 @@ from small_problems import (
     NOISY,
     STARTS,
     belief_in,
+    choice_probabilities,
     pomcp,
     relaxed,
     small_model,
@@ -25,7 +26,6 @@ from fatigue_planner.fatigue.parameters import fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.planners.pomcp import PomcpPolicy
 from fatigue_planner.pomdp.fatigue_model import LANES, build_pomdp, one_worker
-from fatigue_planner.pomdp.preference_choice import choice_probabilities
 from fatigue_planner.reactions.reaction import Reaction
 
 COSTS = np.array([0.2, 0.1, 0.4])

@@ -71,7 +71,7 @@ def ours(case: Case, seed: int) -> Root:
     """Our search with what the decision leaves out: counts and depth."""
     tree = PomcpPolicy(case.settings).tree(case.problem.belief, np.random.default_rng(seed), 0.0)
     root = tree.nodes[0]
-    return Root(root["value"], root["tried"], tree.column("tried").sum() / case.descents)
+    return Root(root["value"], root["tried"], tree.nodes["tried"][: tree.size[0]].sum() / case.descents)
 
 
 def by_hand(search: SearchByHand, case: Case, seed: int) -> Root:

@@ -52,10 +52,3 @@ def normalise_choice(costs: Vector, expertise: float) -> None:
     total = weigh(costs, lowest(costs), expertise)
     for u in range(costs.size):
         costs[u] /= total
-
-
-def choice_probabilities(costs: Vector, expertise: float) -> Vector:
-    """Eq. 4 for costs (U,); see `relative_chance`."""
-    probabilities = costs.copy()
-    normalise_choice(probabilities, expertise)
-    return probabilities

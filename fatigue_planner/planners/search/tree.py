@@ -34,10 +34,6 @@ class Tree(NamedTuple):
     nodes: NDArray[Any]
     size: NDArray[np.int64]
 
-    def column(self, name: str) -> NDArray[Any]:
-        """One field of the nodes in use: (size, ...)."""
-        return np.asarray(self.nodes[name][: self.size[0]])
-
 
 def node_type(actions: int, observations: int, with_chances: bool, with_spread: bool) -> np.dtype[Any]:
     """The record of a node. Up to a cache line its size is a power of two, so that none lies across two lines."""
