@@ -5,7 +5,7 @@ import hashlib
 import json
 import os
 import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -79,6 +79,27 @@ def publish_text(path: Path, text: str) -> None:
 def canonical_json(value: Any) -> str:
     """The one JSON text of a value: sorted keys, no blanks, shortest round-trip floats."""
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def publish_sealed(path: Path, content: Mapping[str, Any]) -> None:
+    """Publish JSON values with the SHA-256 of what they say. Raises OutputFolderError if they cannot be written."""
+    publish_text(path, _sealed(content))
+
+
+def read_sealed(path: Path) -> dict[str, Any] | None:
+    """What `publish_sealed` wrote, or None if the file is not exactly that."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        content: dict[str, Any] = json.loads(text)
+        # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
+        intact = content.pop("sha256") == digest_of(content) and text == _sealed(content)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return content if intact else None
+
+
+def _sealed(content: Mapping[str, Any]) -> str:
+    return canonical_json({**content, "sha256": digest_of(content)})
 
 
 def digest_of(value: Any) -> str:

@@ -1,6 +1,5 @@
 """The cost that no policy can beat, for every condition and number of cycles; kept, as it takes seconds."""
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -8,7 +7,15 @@ import pandas as pd
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.bounds.cost_bound import CostBound, cost_lower_bound
-from fatigue_planner.files import DIGEST_LENGTH, canonical_json, digest_of, digest_of_package, publish_text, set_aside
+from fatigue_planner.files import (
+    DIGEST_LENGTH,
+    digest_of,
+    digest_of_package,
+    publish_sealed,
+    publish_text,
+    read_sealed,
+    set_aside,
+)
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.pomdp.situation import Situation
 
@@ -75,7 +82,7 @@ def _bound_and_keep(part: tuple[Place, Situation, Path]) -> tuple[float, bool]:
     (condition, n_cycles), situation, path = part
     bound = bound_of(situation, n_cycles)
     content = {"condition": condition, "n_cycles": n_cycles, "cost_bound": bound.cost, "exact": bound.exact}
-    publish_text(path, canonical_json({**content, "sha256": digest_of(content)}))
+    publish_sealed(path, content)
     return bound.cost, bound.exact
 
 
@@ -83,12 +90,8 @@ def _read(path: Path) -> tuple[float, bool] | None:
     """A kept bound; a damaged file is set aside."""
     if not path.exists():
         return None
-    try:
-        text = path.read_text(encoding="utf-8")
-        content = json.loads(text)
-        if content.pop("sha256") == digest_of(content):
-            return float(content["cost_bound"]), bool(content["exact"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        pass
-    set_aside(path)
-    return None
+    content = read_sealed(path)
+    if content is None:
+        set_aside(path)
+        return None
+    return float(content["cost_bound"]), bool(content["exact"])

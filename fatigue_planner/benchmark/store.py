@@ -4,7 +4,6 @@
 it says. Trials are keyed by cell and number, so it does not matter how a run cut them into parts.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.trial import Regret, TrialResult
 from fatigue_planner.errors import DamagedFileError
-from fatigue_planner.files import DIGEST_LENGTH, canonical_json, digest_of, publish_text, set_aside
+from fatigue_planner.files import DIGEST_LENGTH, publish_sealed, read_sealed, set_aside
 
 
 class TrialStore:
@@ -28,7 +27,7 @@ class TrialStore:
         trials = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]
         digest = cell.digest()
         content = {"cell": cell.name, "digest": digest, "trials": trials}
-        publish_text(self._folder(digest) / f"{min(results)}-{max(results)}.json", _text(content))
+        publish_sealed(self._folder(digest) / f"{min(results)}-{max(results)}.json", content)
 
     def load(self, cell: Cell) -> dict[int, TrialResult]:
         """The finished trials of a cell, by number.
@@ -52,23 +51,15 @@ class TrialStore:
         return self.folder / digest[:DIGEST_LENGTH]
 
     def _read(self, path: Path, digest: str) -> dict[int, TrialResult]:
+        content = read_sealed(path)
         try:
-            text = path.read_text(encoding="utf-8")
-            content = json.loads(text)
-            # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
-            intact = content.pop("sha256") == digest_of(content) and text == _text(content)
-            if intact and content["digest"] == digest:
+            if content is not None and content["digest"] == digest:
                 return {int(row.pop("trial")): _result(row) for row in content["trials"]}
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        except (ValueError, KeyError, TypeError, AttributeError):
             pass
         set_aside(path)
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
         return {}
-
-
-def _text(content: Mapping[str, Any]) -> str:
-    """A part's file: what it says and its SHA-256."""
-    return canonical_json({**content, "sha256": digest_of(content)})
 
 
 def _result(row: Mapping[str, Any]) -> TrialResult:

@@ -38,7 +38,6 @@ from fatigue_planner.statistics.regret import regret_table, regret_text
 from fatigue_planner.statistics.summary import summary_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
-LONGEST_SUFFIX = 120  # file systems end at 255
 SUMMARY_FILE = "summary.txt"
 COMPARISON_FILE = "comparison.csv"
 

@@ -22,8 +22,7 @@ def maps_of(settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> 
         "random_rollout": settings.rollout_cycles,
         "greedy_rollout": settings.rollout_cycles * (actions + 1) * outcomes,
     }[settings.leaf_value]
-    certain = bool((model.workers.expertise == float("inf")).all())
-    branches = actions * (1 if certain else outcomes) * (1 if model.telling else len(model.observations))
+    branches = actions * (1 if model.is_experts else outcomes) * (1 if model.telling else len(model.observations))
     return float(len(belief.weights)) * float(branches) ** settings.depth * (leaf + outcomes)
 
 

@@ -28,7 +28,7 @@ class PomcpPolicy(Policy):
 
     def __init__(self, settings: PomcpSettings) -> None:
         self.settings = settings
-        # how far it comes in a time differs from run to run
+        # how far it comes in a time differs from run to run, and random rollouts are drawn whatever the worker
         self.draws_at_random = settings.seconds is not None or settings.leaf_value == "random_rollout"
         self._tree: Tree | None = None
         self._spare: Tree | None = None

@@ -20,7 +20,7 @@ def reference_for(belief: Belief) -> ReferenceSettings:
     model = belief.model
     assert isinstance(model, FatiguePomdp)
     leaf_value: ReferenceLeafValue = "bound" if model.discount < 1 else "none"
-    if bool((model.workers.expertise == float("inf")).all()):
+    if model.is_experts:
         leaf_value = "greedy_rollout"
     chosen = ReferenceSettings(kind="lookahead", depth=1, leaf_value=leaf_value, rollout_cycles=ROLLOUT_CYCLES)
     while chosen.depth < DEEPEST:

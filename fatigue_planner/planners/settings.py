@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from fatigue_planner.planners.parts import BackupName, ExplorationName, LeafValueName
+from fatigue_planner.pomdp.situation import Knowledge
 from fatigue_planner.settings import Settings
 
 
@@ -14,7 +15,7 @@ class PolicySettingsBase(Settings):
     prior: their distribution; average: takes the average worker for the true one; truth: knows him.
     """
 
-    knows: Literal["prior", "average", "truth"] = "prior"
+    knows: Knowledge = "prior"
 
 
 class RandomSettings(PolicySettingsBase):

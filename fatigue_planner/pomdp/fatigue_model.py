@@ -174,6 +174,11 @@ class FatiguePomdp(Pomdp):
     profiles: tuple[tuple[CycleProfile, ...], ...]
     workers: Workers
 
+    @property
+    def is_experts(self) -> bool:
+        """Whether every worker that may be meant is an expert, whose choice is certain but for ties."""
+        return bool(np.isinf(self.workers.expertise).all())
+
     def state(self, fatigue: Vector, worker: int = 0) -> Vector:
         """The state of a fatigue (entries,)."""
         state = np.zeros(self.arrays.gain.shape[1] + 1)

@@ -52,8 +52,7 @@ class Situation:
 
     def leaves_nothing_to_chance(self) -> bool:
         """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
-        expert = bool(np.isinf(self.model.workers.expertise).all())
-        return expert and len(self.weights) == 1 and self.prior is None and self.model.telling
+        return self.model.is_experts and len(self.weights) == 1 and self.prior is None and self.model.telling
 
     def fingerprint(self) -> dict[str, Any]:
         """All that decides what happens in the situation, as JSON values."""
