@@ -16,7 +16,6 @@ from conftest import PAPER
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_cell, run_grid
 from fatigue_planner.benchmark.store import TrialStore
-from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, read_table, trial_table
 from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
@@ -28,6 +27,7 @@ from fatigue_planner.planners.settings import GreedySettings, LookaheadSettings,
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.fatigue_model import one_worker
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.streams import stream
 
 SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)
 

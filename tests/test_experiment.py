@@ -24,7 +24,7 @@ def test_the_papers_numbers_are_the_papers(paper: Experiment) -> None:
     assert tasks == {"arm": [("thorax", 1)], "back": [("right_upper_arm", 10)]}
     fatigue = paper.fatigue
     assert (fatigue.fatigue_rate_per_s, fatigue.recovery_rate_per_s, fatigue.threshold) == (0.01667, 0.04, 0.1)
-    assert paper.discount == 0.95 and paper.significance_level == 0.05
+    assert paper.discount == 0.95 and paper.statistics.significance_level == 0.05
     assert [s.probability for s in paper.initial_beliefs["multiple"]] == [0.2, 0.4, 0.4]
     grid = paper.benchmark
     assert grid.n_cycles == (5, 20, 100) and grid.trials == 100 and len(grid.policies) == 7

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "fatigue_planner"
-FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance", "yaml_reader"]
+FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance", "streams", "yaml_reader"]
 LAYERS = [
     "human", "exports", "motion", "reactions", "fatigue", "pomdp", "bounds", "planners", "benchmark", "statistics",
     "experiment", "figures", "reports", "viewer", "cli",

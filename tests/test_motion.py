@@ -1,5 +1,7 @@
 """The whole-body program: references, limits, contacts, optimality, and the paper's four motions."""
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pinocchio as pin
@@ -221,10 +223,20 @@ def test_torques_are_in_the_literatures_bands(reactions: tuple[Reaction, ...]) -
         assert 100 < -motion.torque_nm[motion.phase("work"), joint_index("lumbar_flexion")].mean() < 200
 
 
+def test_the_centre_of_mass_is_held_where_it_is_wanted(paper: Experiment) -> None:
+    request = replace(reaction_requests(paper)[0].motion, cycle=Cycle(reach_s=1.0, work_s=4.0, return_s=1.0))
+    centres = []
+    for shift in (0.0, 0.03):
+        controller = request.controller.model_copy(update={"centre_of_mass_shift_m": shift})
+        motion = simulate(replace(request, controller=controller))
+        human = build_human(request.worker, request.tool.mass_kg)
+        held = motion.configuration[motion.phase("work").stop - 1]
+        centres.append(pin.centerOfMass(human.model, human.model.createData(), held)[0])
+    assert centres[1] - centres[0] == pytest.approx(0.03, abs=0.002)
+
+
 def test_tool_only_during_work_loads_the_hand_only_then(paper: Experiment) -> None:
     request = reaction_requests(paper)[0].motion
-    from dataclasses import replace
-
     from fatigue_planner.human.model import joint_index
 
     short = Cycle(reach_s=1.0, work_s=0.5, return_s=1.0)
@@ -242,7 +254,6 @@ def test_tool_only_during_work_loads_the_hand_only_then(paper: Experiment) -> No
 
 @pytest.mark.parametrize("name", ["configuration", "velocity", "acceleration", "torque_nm", "wrench"])
 def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reaction, ...], name: str) -> None:
-    from dataclasses import replace
 
     request = reaction_requests(paper)[0]
     array = getattr(reactions[0].motion, name).copy()
@@ -253,7 +264,6 @@ def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reactio
 
 def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """A body moved by 10 cm misses its target and its footprints, whatever the controller noted."""
-    from dataclasses import replace
 
     moved = reactions[0].motion.configuration.copy()
     moved[:, 0] += 0.1
@@ -284,7 +294,6 @@ def test_an_answer_that_is_not_optimal_is_not_believed() -> None:
 
 def test_failures_say_why(paper: Experiment) -> None:
     """Too weak, too heavy, out of balance: each its own message with time, phase, tick, limit and advice."""
-    from dataclasses import replace
 
     request = reaction_requests(paper)[2].motion
     weak = request.controller.model_copy(update={"torque_limit_factor": 0.02})
@@ -302,7 +311,6 @@ def test_failures_say_why(paper: Experiment) -> None:
 
 def test_limits_that_contradict_each_other_give_way_a_little_and_say_so(paper: Experiment) -> None:
     """Hardly any braking allowed: four ticks have no solution within the bounds; the verdict is honest."""
-    from dataclasses import replace
 
     request = reaction_requests(paper)[2].motion
     slow = request.controller.model_copy(update={"acceleration_limit_radps2": 1.0})
@@ -341,7 +349,6 @@ def test_an_answer_nearly_right_is_polished() -> None:
 
 
 def test_an_unloaded_sole_has_no_centre_of_pressure(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    from dataclasses import replace
 
     wrench = reactions[0].motion.wrench.copy()
     wrench[7, :6] = 1e-9 * np.ones(6)
@@ -399,7 +406,6 @@ def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
     paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
     """Each gain and offset by less than 1 % of the largest; the energy error halves (first order)."""
-    from dataclasses import replace
 
     from fatigue_planner.experiment.resolve import worker_fatigue
     from fatigue_planner.fatigue.cycle_map import cycle_profile
@@ -419,7 +425,6 @@ def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
 
 def at_work(paper: Experiment) -> tuple[MotionRequest, Motion]:
     """A motion with the tool held at work only: three runs of different masses."""
-    from dataclasses import replace
 
     request = reaction_requests(paper)[0].motion
     short = Cycle(reach_s=2.0, work_s=1.0, return_s=2.0)
@@ -429,7 +434,6 @@ def at_work(paper: Experiment) -> tuple[MotionRequest, Motion]:
 
 def test_the_tool_held_at_work_only_keeps_every_bar(paper: Experiment) -> None:
     """The energy error of a run that stands still counts against the whole cycle's work, not its own."""
-    from dataclasses import replace
 
     for request in reaction_requests(paper)[1:2]:
         lent = replace(request.motion, tool=request.motion.tool.model_copy(update={"held": "work"}))
@@ -437,7 +441,6 @@ def test_the_tool_held_at_work_only_keeps_every_bar(paper: Experiment) -> None:
 
 
 def test_nan_in_any_array_and_any_run_never_passes(paper: Experiment) -> None:
-    from dataclasses import replace
 
     request, motion = at_work(paper)
     loose = paper.accuracy.model_copy(update={"hand_error_m": 0.05})
@@ -452,7 +455,6 @@ def test_nan_in_any_array_and_any_run_never_passes(paper: Experiment) -> None:
 
 def test_a_motion_that_is_none_is_found(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Balanced torques are not enough: poses strung together, another start, turned feet, noted errors."""
-    from dataclasses import replace
 
     request, motion = reaction_requests(paper)[0].motion, reactions[0].motion
 

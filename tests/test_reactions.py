@@ -20,6 +20,7 @@ from fatigue_planner.reactions.audit import audit
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.library import ARRAYS, Source, assemble_library, names_in, read_reaction, write_reaction
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.statistics.settings import StatisticsSettings
 
 
 @pytest.fixture
@@ -106,13 +107,18 @@ def test_settings_that_matter_make_a_new_entry_and_others_do_not(paper: Experime
         changed(cycle=Cycle(reach_s=4.0, work_s=6.0, return_s=5.0)),
         changed(controller=settings.model_copy(update={"time_step_s": 0.005})),
         changed(controller=settings.model_copy(update={"solver": "qpoases"})),
+        changed(controller=settings.model_copy(update={"centre_of_mass_shift_m": 0.01})),
         changed(accuracy=paper.accuracy.model_copy(update={"hand_error_m": 0.02})),
         changed(actions={"high": paper.actions["low"]}),
         changed(preferences={"arm": paper.preferences["back"]}),
     ]
     assert len({same, *map(digest, different)}) == len(different) + 1
-    unimportant = [changed(discount=0.5), changed(name="other"), changed(significance_level=0.01),
-                   changed(fatigue=paper.fatigue.model_copy(update={"threshold": 0.2}))]  # fmt: skip
+    unimportant = [
+        changed(discount=0.5),
+        changed(name="other"),
+        changed(statistics=StatisticsSettings(significance_level=0.01)),
+        changed(fatigue=paper.fatigue.model_copy(update={"threshold": 0.2})),
+    ]
     assert {digest(experiment) for experiment in unimportant} == {same}
 
 

@@ -9,7 +9,7 @@ from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.situation import Situation
 
 # What produces the numbers of a trial besides its settings and reactions.
-SOURCES = ("fatigue", "pomdp", "planners", "benchmark")
+SOURCES = ("fatigue", "pomdp", "planners", "benchmark", "streams.py")
 
 
 @dataclass(frozen=True)

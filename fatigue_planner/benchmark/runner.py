@@ -7,12 +7,12 @@ import numpy as np
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.store import TrialStore
-from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.benchmark.trial import Reference, TrialResult, draw_world, run_trial
 from fatigue_planner.parallel import run_parallel
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.streams import stream
 
 TRIALS_PER_PART = 5
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.benchmark.streams import stream
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.policy import Policy
 from fatigue_planner.pomdp.problem import draw
 from fatigue_planner.pomdp.situation import Knowledge, Situation
+from fatigue_planner.streams import stream
 
 Vector = NDArray[np.float64]
 

@@ -76,9 +76,9 @@ def benchmark(
     grid_cells = cells(grid, profiles, regret)
     table = _run(grid_cells, store, jobs)
     publish_table(folder, table)
-    comparison = comparison_table(table, settings.significance_level)
+    comparison = comparison_table(table, settings.statistics.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
-    summary = summary_text(comparison, settings.significance_level)
+    summary = summary_text(comparison, settings.statistics.significance_level)
     files = [TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE]
     if regret:
         summary += "\n" + _regret_summary(grid_cells, table)

@@ -19,14 +19,14 @@ from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.statistics.comparison import comparison_table
 
 # Settings that a table of trials does not depend on.
-NOT_IN_THE_TABLE = ("figures", "significance_level")
+NOT_IN_THE_TABLE = ("figures", "statistics")
 
 
 def draw_returns(settings: Experiment, folder: Path, command: str) -> list[Path]:
     """Figures of a table of trials that `command` makes; raises StaleTableError if it is of other settings."""
     trials = read_table(folder, command)
     _check_origin(check_manifest(folder, "benchmark", TRIALS_FILE, command), settings, folder, command)
-    comparison = comparison_table(trials, settings.significance_level)
+    comparison = comparison_table(trials, settings.statistics.significance_level)
     files = []
     for name, conditions in settings.figures.items():
         figure = returns_figure(comparison, conditions, list(settings.benchmark.policies))

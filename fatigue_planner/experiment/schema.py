@@ -16,6 +16,7 @@ from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.settings import Settings
+from fatigue_planner.statistics.settings import StatisticsSettings
 
 LONGEST_NAME = 40
 Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST_NAME - 1}}}$")]
@@ -81,7 +82,7 @@ class Experiment(Settings):
     # How beliefs are kept; left out, the exact set where it stays finite, else particles.
     belief: BeliefSettings | None = None
     benchmark: Benchmark
-    significance_level: float = Field(gt=0, lt=1)
+    statistics: StatisticsSettings
     # Figures of the returns: name -> conditions, one row of panels each.
     figures: dict[Name, tuple[Name, ...]]
 
@@ -107,6 +108,7 @@ class Experiment(Settings):
         repeated = [n for n in self.benchmark.n_cycles if self.benchmark.n_cycles.count(n) > 1]
         if repeated:
             raise ValueError(f"benchmark.n_cycles: {repeated[0]} stands twice")
+        self._check_families()
         for name, conditions in self.figures.items():
             if name.startswith(RESERVED):
                 raise ValueError(f"figures.{name}: begins like another file's name; taken are {', '.join(RESERVED)}")
@@ -117,6 +119,20 @@ class Experiment(Settings):
                     f"{', '.join(self.benchmark.conditions)}"
                 )
         return self
+
+    def _check_families(self) -> None:
+        grid = self.benchmark
+        for name, family in self.statistics.families.items():
+            for key, known in (
+                ("policies", grid.policies), ("against", grid.policies),
+                ("conditions", grid.conditions), ("n_cycles", grid.n_cycles),
+            ):  # fmt: skip
+                unknown = [str(item) for item in getattr(family, key) or () if item not in known]
+                if unknown:
+                    raise ValueError(
+                        f"statistics.families.{name}.{key}: {', '.join(unknown)}; known are "
+                        f"{', '.join(map(str, known))}"
+                    )
 
     def _check_worker(self, key: str, condition: Condition) -> None:
         hidden = HiddenWorker()

@@ -59,7 +59,8 @@ class Body:
             for side, goal in request.action.goals().items()
         }  # fmt: skip
         x, y, _ = (float(value) for value in state.centre_of_mass().position_m)
-        self.stance_centre_m = np.array([x, y])
+        x += settings.centre_of_mass_shift_m
+        self.centre_m = np.array([x, y])
         self.balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
         posture = WholePosture(weights.posture, stiffness.posture, self.human.stance[7:])
         preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
@@ -72,11 +73,12 @@ class Body:
     def lean_against(self, side: Side, force_n: Vector) -> None:
         """Shift the place of the centre of mass so that a force (3,) on a fist leaves the pressure where it is.
 
-        The ground bears weight and force at the stance's centre c if m g (x - c) = (p - c) F_z - p_z F_x, with x
-        the centre of mass and p the fist (and y alike): who is pushed leans against it, who lifts leans back.
+        The ground bears weight and force where it bears the weight alone, at c, if
+        m g (x - c) = (p - c) F_z - p_z F_x, with x the centre of mass and p the fist (and y alike): who is pushed
+        leans against it, who lifts leans back.
         """
         at, weight = self.fist(side).position_m, self.human.mass_kg * GRAVITY_MPS2
-        moment = (at[:2] - self.stance_centre_m) * force_n[2] - at[2] * force_n[:2]
+        moment = (at[:2] - self.centre_m) * force_n[2] - at[2] * force_n[:2]
         self.balance.reference_m = self.balance.reference_m + moment / weight
 
     def fist(self, side: Side) -> Pose:
@@ -121,7 +123,7 @@ class Simulator:
         """Evaluate the body, its references and the forces at a tick; returns the forces on the fists (6,)."""
         body = self.body
         body.state.update(self.configuration, self.velocity)
-        body.balance.reference_m = body.stance_centre_m
+        body.balance.reference_m = body.centre_m
         pushed = np.zeros(6)
         for planned in self.forces:
             turn = body.state.placement(body.grips[planned.hand]).rotation if planned.in_hand_axes else np.eye(3)
