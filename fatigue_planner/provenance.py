@@ -37,18 +37,20 @@ def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any
     publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def check_manifest(folder: Path, made_by: str, file: str, command: str) -> Mapping[str, Any]:
-    """What a command noted of a file when it made it.
-
-    Raises DamagedFileError if there is no such note or the file is not what was written then.
-    """
+def read_note(folder: Path, made_by: str, command: str) -> dict[str, Any]:
+    """What a command noted of the files it made in a folder. Raises DamagedFileError if there is no such note."""
     try:
         note = json.loads((folder / MANIFEST_FILE).read_text(encoding="utf-8"))[made_by]
-        intact = note["sha256"][file] == hashlib.sha256((folder / file).read_bytes()).hexdigest()
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise DamagedFileError(
-            f"{folder / MANIFEST_FILE}: does not say how {file} was made. Run `{command}`."
-        ) from error
-    if not intact:
+        if isinstance(note, dict) and isinstance(note["sha256"], dict):
+            return note
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    raise DamagedFileError(f"{folder / MANIFEST_FILE}: does not say how its tables were made. Run `{command}`.")
+
+
+def check_intact(folder: Path, note: Mapping[str, Any], file: str, command: str) -> None:
+    """Raise DamagedFileError unless a file is what was written when the note was made."""
+    if file not in note["sha256"]:
+        raise DamagedFileError(f"{folder / MANIFEST_FILE}: does not say how {file} was made. Run `{command}`.")
+    if note["sha256"][file] != hashlib.sha256((folder / file).read_bytes()).hexdigest():
         raise DamagedFileError(f"{folder / file}: is not what was written; it was altered or damaged. Run `{command}`.")
-    return dict(note)

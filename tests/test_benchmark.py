@@ -14,10 +14,21 @@ import pytest
 from conftest import PAPER
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.runner import run_cell, run_grid
+from fatigue_planner.benchmark.replay import replay
+from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.store import TrialStore
-from fatigue_planner.benchmark.table import KEY, OUTCOMES, SAME, publish_table, read_table, trial_table
-from fatigue_planner.benchmark.trial import TrialResult, World, draw_world, run_trial
+from fatigue_planner.benchmark.table import (
+    ACTIONS_FILE,
+    KEY,
+    OUTCOMES,
+    SAME,
+    TRIALS_FILE,
+    publish_table,
+    read_table,
+    trial_table,
+)
+from fatigue_planner.benchmark.trial import TrialResult, run_trial
+from fatigue_planner.benchmark.world import World, draw_world
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
@@ -144,15 +155,15 @@ def test_what_is_deterministic_is_run_once(cells: list[Cell]) -> None:
         (SEARCH.model_copy(update={"descents": None, "seconds": 0.1}), 12),
     ):
         assert len(replace(search, settings=settings).trial_numbers()) == expected
-    outcomes = {tuple(vars(r).values())[:3] for r in run_cell(search, range(5)).values()}
+    outcomes = {search.outcome(result) for result in search.run(range(5)).values()}
     assert len(outcomes) == 1
 
 
 def table_bytes(cells: list[Cell], store: Path, out: Path, jobs: int) -> bytes:
     results, warnings = run_grid(cells, store, jobs, lambda cell, n: None)
     assert warnings == []
-    publish_table(out, trial_table(cells, results))
-    return (out / "trials.csv").read_bytes()
+    publish_table(out, trial_table(cells, results), [TRIALS_FILE, ACTIONS_FILE])
+    return b"".join((out / name).read_bytes() for name in (TRIALS_FILE, ACTIONS_FILE))
 
 
 def test_table_is_the_same_for_any_workers_and_after_interruption(cells: list[Cell], tmp_path: Path) -> None:
@@ -230,31 +241,43 @@ def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Pat
 
 def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell], tmp_path: Path) -> None:
     store = TrialStore(tmp_path)
-    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 0, 0), 1: TrialResult(-2.0, 0.1, 0.1, 0, 0)})
-    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 5, 5)})
+    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 0, 0, (0, 1)), 1: TrialResult(-2.0, 0.1, 0.1, 0, 0, (0, 1))})
+    store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 5, 5, (0, 1))})
     assert store.load(cells[0])[0].discounted_return == -1.0  # equal but for its times
-    store.add(cells[0], {0: TrialResult(-1.5, 0.1, 0.1, 0, 0), 2: TrialResult(-3.0, 0.1, 0.1, 0, 0)})
+    store.add(cells[0], {0: TrialResult(-1.5, 0.1, 0.1, 0, 0, (0, 1)), 2: TrialResult(-3.0, 0.1, 0.1, 0, 0, (0, 1))})
     with pytest.raises(DamagedFileError, match=r"-1\.0.*-1\.5|-1\.5.*-1\.0"):
         store.load(cells[0])
 
 
 def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path) -> None:
     with pytest.raises(MissingTableError, match="fatplan benchmark"):
-        read_table(tmp_path, "fatplan benchmark")
+        read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")
     results, _ = run_grid(cells[:2], tmp_path / "parts", 1, lambda cell, n: None)
-    publish_table(tmp_path, trial_table(cells[:2], results))
-    table = read_table(tmp_path, "fatplan benchmark")
+    made = trial_table(cells[:2], results)
+    publish_table(tmp_path, made, [TRIALS_FILE])
+    table = read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")
     assert list(table.columns) == [*KEY, SAME, *OUTCOMES] and len(table) == 24
-    path = tmp_path / "trials.csv"
+    np.testing.assert_array_equal(table[OUTCOMES], made[OUTCOMES])  # to the last bit
+    path = tmp_path / TRIALS_FILE
     lines = path.read_text().splitlines()
-    for bad in (
-        lines[:3] + lines[2:3],
-        [lines[0].replace("trial", "run"), *lines[1:]],
-        [*lines[:2], lines[2][:-25] + ","],
+    for bad, message in (
+        (lines[:3] + lines[2:3], "stands twice: single_novice/2/random/1"),
+        ([lines[0].replace("trial", "run"), *lines[1:]], "columns"),
+        ([*lines[:2], lines[2][:-25] + ","], "gaps"),
+        ([*lines[:2], lines[2].replace("-0.", "-x.")], "not one of our tables"),
     ):
         path.write_text("\n".join(bad) + "\n")
-        with pytest.raises(DamagedFileError):
-            read_table(tmp_path, "fatplan benchmark")
+        with pytest.raises(DamagedFileError, match=message):
+            read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")
+
+
+def test_a_run_is_lived_through_again_from_its_actions(cells: list[Cell]) -> None:
+    for cell in cells:
+        for trial, result in cell.run(cell.trial_numbers()[:3]).items():
+            course = replay(cell, trial, result.actions)
+            assert course.discounted_return == result.discounted_return  # to the last bit
+            assert course.fatigue.shape == (cell.n_cycles, 78) and len(course.observations) == cell.n_cycles
+            assert (course.fatigue[-1] ** 2).sum() / 78 == pytest.approx(result.final_cost, rel=1e-12)
 
 
 def test_choose_names_what_is_not_there() -> None:
@@ -295,6 +318,6 @@ def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path
     assert all(0 < len(earlier) < parts for earlier in kept)  # every kill came before the end
     for earlier in kept:
         assert all(path.read_bytes() == content for path, content in earlier.items())
-    for name in ("trials.csv", "comparison.csv", "summary.txt", "manifest.json"):
+    for name in ("trials.csv", "actions.csv", "comparison.csv", "summary.txt", "manifest.json"):
         (one,), (other,) = undisturbed.rglob(name), disturbed.rglob(name)
         assert one.read_bytes() == other.read_bytes(), name

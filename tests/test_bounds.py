@@ -10,7 +10,8 @@ from scipy.stats import t as student
 from small_problems import choice_probabilities
 
 from fatigue_planner.benchmark.bounds import bound_of
-from fatigue_planner.benchmark.trial import draw_world, run_trial
+from fatigue_planner.benchmark.trial import run_trial
+from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.bounds import sub_solution
 from fatigue_planner.bounds.cost_bound import ROUNDING, CostBound, cost_lower_bound
 from fatigue_planner.bounds.history_classes import HistoryClasses

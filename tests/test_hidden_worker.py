@@ -15,9 +15,9 @@ from scipy import stats
 from test_particles import BLIND, FALSE_ALARM, NOISY, STARTS, small_model, z_scores
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.runner import run_cell, run_grid
+from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, trial_table
-from fatigue_planner.benchmark.trial import draw_world
+from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests, situation
@@ -483,7 +483,7 @@ def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
         Cell(name, 6, "search", search, replace(known, belief=few), 7, 10)
         for name, known in (("noisy", in_mind(CONTINUOUS, NOISY)), ("sharp", in_mind(CONTINUOUS)))
     ]
-    here = [run_cell(cell, range(10)) for cell in cells]
+    here = [cell.run(range(10)) for cell in cells]
     elsewhere, _ = run_grid(cells, tmp_path, 2, lambda cell, n: None)
     one, two = (trial_table(cells, results)[OUTCOMES].to_numpy() for results in (here, elsewhere))
     np.testing.assert_array_equal(one, two)
@@ -525,6 +525,6 @@ def test_the_experiment_is_what_its_file_says(paper: Experiment, reactions: tupl
         ]
         for settings in policies.values():
             cell = Cell(name, 3, "any", settings, here, 1, 1)
-            (result,) = run_cell(cell, [0]).values()
+            (result,) = cell.run([0]).values()
             assert -0.1 < result.discounted_return < 0
     assert sizes == {"hidden_rates": [9, 1, 1], "hidden_expertise": [3, 1, 1], "all_hidden": [81, 3, 3]}

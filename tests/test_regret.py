@@ -10,8 +10,11 @@ import pytest
 
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE, bound_of, publish_bounds, run_bounds
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.runner import run_cell, run_grid
-from fatigue_planner.benchmark.table import REGRETS, publish_table, trial_table
+from fatigue_planner.benchmark.judgement import Judgement
+from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.table import REGRET_FILE, REGRETS, publish_table, read_table, regret_rows
+from fatigue_planner.benchmark.trial import cycle_of
+from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
@@ -43,46 +46,61 @@ def situations(paper: Experiment, reactions: tuple[Reaction, ...]) -> dict[str, 
 
 
 def cell(one: Situation, name: str, settings, **changes) -> Cell:
-    return Cell("c", 6, name, settings, one, 5, 3, **({"reference": REFERENCE} | changes))
+    return Cell("c", 6, name, settings, one, 5, 3, **changes)
+
+
+def judged(one: Cell, reference: ReferenceSettings = REFERENCE) -> Judgement:
+    runs = one.run(one.trial_numbers())
+    return Judgement(one, reference, {trial: run.actions for trial, run in runs.items()})
 
 
 def test_regret_is_what_the_decisions_lose_by_the_references_values(situations: dict[str, Situation]) -> None:
     """An expert from one state: the run can be followed by hand."""
     one = situations["single_expert"]
-    result = run_cell(cell(one, "alternating", AlternatingSettings(kind="alternating")), [0])[0]
+    regret = judged(cell(one, "alternating", AlternatingSettings(kind="alternating"))).run([0])[0]
     belief, losses, rng = one.initial_belief("prior", one.model, np.random.default_rng(0)), [], np.random.default_rng(0)
     for cycle in range(6):
         values = LookaheadPolicy(REFERENCE).values(belief, rng)
         losses.append(values.max() - values[cycle % 2])
         choice = int(one.model.probabilities(belief.states[0], cycle % 2).argmax())
         belief = belief.update(cycle % 2, choice, rng)
-    assert result.regret is not None and max(losses) > 0
-    assert result.regret.decision_loss == pytest.approx(np.mean(losses))
-    assert result.regret.run_loss == pytest.approx(sum(0.95**t * loss for t, loss in enumerate(losses)))
-    assert result.regret.agreement == np.mean(np.array(losses) == 0)
+    assert max(losses) > 0
+    assert regret.decision_loss == pytest.approx(np.mean(losses))
+    assert regret.run_loss == pytest.approx(sum(0.95**t * loss for t, loss in enumerate(losses)))
+    assert regret.agreement == np.mean(np.array(losses) == 0)
 
 
-def test_the_reference_loses_nothing_and_measuring_changes_nothing(situations: dict[str, Situation]) -> None:
-    one = situations["single_novice"]
-    own = run_cell(cell(one, "reference", SAME), range(3))
-    assert all(r.regret and (r.regret.run_loss, r.regret.agreement) == (0, 1) for r in own.values())
-    plain = run_cell(cell(one, "reference", SAME, reference=None), range(3))
-    assert [r.discounted_return for r in plain.values()] == [r.discounted_return for r in own.values()]
-    assert all(r.regret is None for r in plain.values())
+def test_the_reference_loses_nothing(situations: dict[str, Situation]) -> None:
+    own = judged(cell(situations["multiple_novice"], "reference", SAME))
+    assert all((r.run_loss, r.agreement) == (0, 1) for r in own.run(range(3)).values())
 
 
 def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_path: Path) -> None:
-    cells = [cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy"))]
-    first, _ = run_grid(cells, tmp_path / "parts", 1, lambda _cell, _n: None)
-    again, _ = run_grid(cells, tmp_path / "parts", 1, lambda _cell, _n: None)
-    assert first == again
-    publish_table(tmp_path, trial_table(cells, first))
-    table = pd.read_csv(tmp_path / "regret.csv")
-    assert list(table["run_loss"]) == [first[0][trial].regret.run_loss for trial in range(3)]
-    assert (
-        cells[0].digest()
-        != cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy"), reference=None).digest()
-    )
+    own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
+    first, _ = run_grid([own], tmp_path / "parts", 1, lambda _job, _n: None)
+    again, _ = run_grid([own], tmp_path / "parts", 1, lambda _job, _n: None)
+    assert first == again == [own.run(range(3))]
+    publish_table(tmp_path, regret_rows([own.cell], first), [REGRET_FILE])
+    table = read_table(tmp_path, REGRET_FILE, "fatplan benchmark")
+    assert list(table["run_loss"]) == [first[0][trial].run_loss for trial in range(3)]
+    deeper = replace(own, reference=REFERENCE.model_copy(update={"depth": 4}))
+    assert len({own.digest(), own.cell.digest(), deeper.digest()}) == 3
+
+
+def test_the_judge_believes_what_the_policy_could(situations: dict[str, Situation]) -> None:
+    """Which of three states a run began in shows only in what was observed: the judge follows it."""
+    one = situations["multiple_novice"]
+    runs = cell(one, "greedy", GreedySettings(kind="greedy"))
+    result = runs.run([1])[1]
+    world, rng = draw_world(5, "c", 6, 1), np.random.default_rng(0)
+    belief, state, losses = one.initial_belief("prior", one.model, rng), one.start(world.start), []
+    for cycle, action in enumerate(result.actions):
+        values = LookaheadPolicy(REFERENCE).values(belief, rng)
+        losses.append(values.max() - values[action])
+        state, _, seen = cycle_of(one.model, state, action, world, cycle)
+        belief = belief.update(action, seen, rng)
+    regret = Judgement(runs, REFERENCE, {1: result.actions}).run([1])[1]
+    assert regret.decision_loss == pytest.approx(np.mean(losses), rel=1e-9) and max(losses) > 0
 
 
 def test_regret_table_by_hand() -> None:
@@ -137,7 +155,7 @@ def test_no_policy_beats_the_bound_of_the_papers_conditions(situations: dict[str
 
     one = situations["multiple_novice"]
     bound = bound_of(one, 12)
-    results = run_cell(Cell("c", 12, "greedy", GreedySettings(kind="greedy"), one, 3, 200), range(200))
+    results = Cell("c", 12, "greedy", GreedySettings(kind="greedy"), one, 3, 200).run(range(200))
     cost = -np.array([r.discounted_return for r in results.values()])
     assert cost.mean() + norm.isf(1e-6) * cost.std(ddof=1) / math.sqrt(200) > bound.cost
     assert 0 < bound.cost <= cost.mean() * 1.2
@@ -169,8 +187,8 @@ def test_the_reference_itself_has_no_regret(situations: dict[str, Situation], ex
     chosen = reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
     chosen = chosen.model_copy(update={"depth": 2})
     same = LookaheadSettings.model_validate(chosen.model_dump())
-    results = run_cell(Cell("c", 5, "p", same, one, 5, 2, reference=chosen), range(2))
-    assert all(result.regret and result.regret.run_loss == 0 for result in results.values())
+    own = judged(Cell("c", 5, "p", same, one, 5, 2), chosen)
+    assert all(regret.run_loss == 0 for regret in own.run(own.trial_numbers()).values())
 
 
 def test_random_rollouts_are_chance_even_with_an_expert(situations: dict[str, Situation]) -> None:

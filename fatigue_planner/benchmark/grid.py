@@ -1,20 +1,30 @@
-"""The cells of a benchmark and the selection a command makes of them."""
+"""The cells of a benchmark."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from typing import Any
 
+import numpy as np
+
+from fatigue_planner.benchmark.job import Job
+from fatigue_planner.benchmark.trial import TrialResult, run_trial
+from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
+from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.streams import stream
 
 # What produces the numbers of a trial besides its settings and reactions.
-SOURCES = ("fatigue", "pomdp", "planners", "benchmark", "streams.py")
+SOURCES = (
+    "fatigue", "pomdp", "planners", "benchmark/grid.py", "benchmark/trial.py", "benchmark/world.py", "streams.py",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One policy in one condition for one number of cycles; with a reference, its regret is measured, too."""
+class Cell(Job[TrialResult]):
+    """One policy in one condition for one number of cycles."""
 
     condition: str
     n_cycles: int
@@ -23,20 +33,23 @@ class Cell:
     situation: Situation
     seed: int
     trials: int
-    reference: ReferenceSettings | None = None
 
     @property
     def name(self) -> str:
-        """How the cell is called in messages and files."""
+        """See Job.name."""
         return f"{self.condition}/{self.n_cycles}/{self.policy}"
 
+    @property
+    def effort(self) -> int:
+        """See Job.effort."""
+        return self.n_cycles
+
     def digest(self) -> str:
-        """Key of the cell's trials: everything that decides them but their number."""
+        """See Job.digest."""
         return digest_of(
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
-                "reference": self.reference.plain() if self.reference else None,
                 "situation": self.situation.fingerprint(),
                 "sources": digest_of_package(*SOURCES),
                 "versions": {library: version(library) for library in ("numpy", "numba")},
@@ -48,5 +61,33 @@ class Cell:
         return self.situation.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
 
     def trial_numbers(self) -> range:
-        """The trials to run: one where every run is the same."""
+        """See Job.trial_numbers: one where every run is the same."""
         return range(1 if self.is_deterministic() else self.trials)
+
+    def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
+        """See Job.run."""
+        self._load_compiled_code(trials if self.situation.prior else trials[:1])
+        results = {}
+        for trial in trials:
+            world = draw_world(self.seed, self.condition, self.n_cycles, trial)
+            planner = stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
+            policy = build_policy(self.settings)
+            results[trial] = run_trial(self.situation, policy, self.settings.knows, self.n_cycles, world, planner)
+        return results
+
+    def result_of(self, row: Mapping[str, Any]) -> TrialResult:
+        """See Job.result_of."""
+        return TrialResult(**{**row, "actions": tuple(row["actions"])})
+
+    def outcome(self, result: TrialResult) -> tuple[Any, ...]:
+        """See Job.outcome."""
+        return result.discounted_return, result.final_cost, result.peak_cost, result.actions
+
+    def _load_compiled_code(self, trials: Sequence[int]) -> None:
+        """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""
+        settings, rng = self.settings, np.random.default_rng(0)
+        if isinstance(settings, PomcpSettings):
+            settings = settings.model_copy(update={"descents": 1, "seconds": None})
+        for trial in trials:
+            world = self.situation.worker(draw_world(self.seed, self.condition, self.n_cycles, trial).worker)
+            build_policy(settings).act(self.situation.initial_belief(settings.knows, world, rng), rng)

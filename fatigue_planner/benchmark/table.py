@@ -1,12 +1,14 @@
-"""The tidy table of trials: one row per run."""
+"""The tidy tables of a benchmark: one row per run."""
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.runner import Results
+from fatigue_planner.benchmark.judgement import Regret
+from fatigue_planner.benchmark.trial import TrialResult
 from fatigue_planner.errors import DamagedFileError, MissingTableError
 from fatigue_planner.files import publish_text
 
@@ -15,50 +17,82 @@ KEY = ["condition", "n_cycles", "policy", "trial"]
 SAME = "deterministic"
 OUTCOMES = ["discounted_return", "final_cost", "peak_cost"]
 TIMES = ["mean_planning_time_s", "longest_planning_time_s"]
+# The numbers of the actions taken, in the order of the cycles and of the experiment's actions.
+ACTIONS = "actions"
 REGRETS = ["decision_loss", "run_loss", "agreement"]
 TRIALS_FILE = "trials.csv"
+ACTIONS_FILE = "actions.csv"
 TIMES_FILE = "planning_times.csv"
 REGRET_FILE = "regret.csv"
 
+# What every file holds besides the key.
+COLUMNS = {TRIALS_FILE: [SAME, *OUTCOMES], ACTIONS_FILE: [ACTIONS], TIMES_FILE: TIMES, REGRET_FILE: REGRETS}
+KINDS = {**dict.fromkeys([*OUTCOMES, *TIMES, *REGRETS], float), "n_cycles": int, "trial": int, SAME: bool}
+KINDS |= dict.fromkeys(["condition", "policy", ACTIONS], str)
 
-def trial_table(cells: Sequence[Cell], results: Sequence[Results]) -> pd.DataFrame:
+
+def trial_table(cells: Sequence[Cell], results: Sequence[dict[int, TrialResult]]) -> pd.DataFrame:
     """All columns of all trials, in the order of the cells and trials."""
     rows = [
-        {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
-        | {SAME: cell.is_deterministic()}
-        | vars(done[trial])
-        | (vars(done[trial].regret) if done[trial].regret else {})
+        {**_key(cell, trial), SAME: cell.is_deterministic(), **vars(done[trial]), ACTIONS: _text(done[trial].actions)}
         for cell, done in zip(cells, results, strict=True)
         for trial in sorted(done)
     ]
-    regrets = REGRETS if any(cell.reference for cell in cells) else []
-    return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, *regrets, *TIMES])
+    return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, ACTIONS, *TIMES])
 
 
-def publish_table(folder: Path, table: pd.DataFrame) -> None:
-    """Write trials.csv and, because times are never the same twice, planning_times.csv apart from it.
+def regret_rows(cells: Sequence[Cell], regrets: Sequence[dict[int, Regret]]) -> pd.DataFrame:
+    """The regret of all trials, in the order of the cells and trials."""
+    rows = [
+        {**_key(cell, trial), **vars(done[trial])}
+        for cell, done in zip(cells, regrets, strict=True)
+        for trial in sorted(done)
+    ]
+    return pd.DataFrame(rows, columns=[*KEY, *REGRETS])
 
-    Where regret was measured, it goes to regret.csv.
+
+def publish_table(folder: Path, table: pd.DataFrame, files: Sequence[str]) -> None:
+    """Write some of the tables; times, which are never the same twice, have a file of their own."""
+    for file in files:
+        publish_text(folder / file, table[KEY + COLUMNS[file]].to_csv(index=False, lineterminator="\n"))
+
+
+def read_table(folder: Path, file: str, command: str) -> pd.DataFrame:
+    """A published table; `command` makes it, for the messages.
+
+    Raises MissingTableError if there is none, DamagedFileError if the file is not such a table; rows that stand
+    twice are named.
     """
-    if REGRETS[0] in table:
-        publish_text(folder / REGRET_FILE, table[KEY + REGRETS].to_csv(index=False, lineterminator="\n"))
-    publish_text(folder / TRIALS_FILE, table[[*KEY, SAME, *OUTCOMES]].to_csv(index=False, lineterminator="\n"))
-    publish_text(folder / TIMES_FILE, table[KEY + TIMES].to_csv(index=False, lineterminator="\n"))
-
-
-def read_table(folder: Path, command: str) -> pd.DataFrame:
-    """The published trials (without times); `command` makes them, for the messages.
-
-    Raises MissingTableError if there are none, DamagedFileError if the file is not such a table.
-    """
-    path = folder / TRIALS_FILE
+    path = folder / file
     if not path.exists():
-        raise MissingTableError(f"{path}: there is no table of trials. Run `{command}` first.")
-    kinds = dict.fromkeys(OUTCOMES, float) | {"n_cycles": int, "trial": int, SAME: bool}
+        raise MissingTableError(f"{path}: there is no such table. Run `{command}` first.")
     try:
-        table = pd.read_csv(path, dtype=kinds)
+        table = pd.read_csv(path, dtype=KINDS, keep_default_na=False, na_values=[""])
     except (ValueError, OSError) as error:
-        raise DamagedFileError(f"{path}: is not a table of trials ({error}). Run `{command}`.") from error
-    if list(table.columns) != [*KEY, SAME, *OUTCOMES] or table.isna().any(axis=None) or table.duplicated(KEY).any():
-        raise DamagedFileError(f"{path}: is not a table of trials: columns, gaps or repeated rows. Run `{command}`.")
+        raise DamagedFileError(f"{path}: is not one of our tables ({error}). Run `{command}`.") from error
+    if list(table.columns) != KEY + COLUMNS[file] or table.isna().any(axis=None):
+        raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
+    twice = table.loc[table.duplicated(KEY), KEY]
+    if len(twice):
+        raise DamagedFileError(f"{path}: stands twice: {name_rows(twice)}. Run `{command}`.")
     return table
+
+
+def actions_of(text: str) -> list[int]:
+    """The actions of a run. Raises ValueError if they are none."""
+    return [int(number) for number in text.split(" ")]
+
+
+def name_rows(rows: pd.DataFrame) -> str:
+    """The keys of some rows, the first few, as a message shows them."""
+    shown = ["/".join(map(str, key)) for key in rows[KEY].head(5).itertuples(index=False)]
+    more = len(rows) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
+
+
+def _key(cell: Cell, trial: int) -> dict[str, Any]:
+    return {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
+
+
+def _text(actions: Sequence[int]) -> str:
+    return " ".join(map(str, actions))

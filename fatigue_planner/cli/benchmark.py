@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TypeVar
 
 import pandas as pd
 import typer
@@ -10,8 +10,20 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.job import Job
+from fatigue_planner.benchmark.judgement import Judgement
 from fatigue_planner.benchmark.runner import run_grid
-from fatigue_planner.benchmark.table import OUTCOMES, REGRET_FILE, TIMES_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.benchmark.table import (
+    ACTIONS_FILE,
+    KEY,
+    OUTCOMES,
+    REGRET_FILE,
+    TIMES_FILE,
+    TRIALS_FILE,
+    publish_table,
+    regret_rows,
+    trial_table,
+)
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -27,7 +39,7 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
-from fatigue_planner.experiment.selection import Selection, cells, selected
+from fatigue_planner.experiment.selection import Selection, cells, references, selected
 from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
@@ -40,6 +52,8 @@ from fatigue_planner.statistics.summary import summary_text
 MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"
 COMPARISON_FILE = "comparison.csv"
+
+T = TypeVar("T")
 
 
 def benchmark(
@@ -68,20 +82,30 @@ def benchmark(
     where it stopped when it is started again, and ends in the same table.
     """
     settings = load_experiment(experiment)
-    wanted = Selection(cycles, conditions, policies, trials, descents, seed, regret)
+    wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = selected(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
     store = writable_folder(results / settings.name / "parts")
     folder = writable_folder(results / (settings.name + wanted.suffix()))
-    grid_cells = cells(grid, profiles, regret)
-    table = _run(grid_cells, store, jobs)
-    publish_table(folder, table)
+    grid_cells = cells(grid, profiles)
+    judges = references(grid, grid_cells) if regret else {}
+    done = _run(grid_cells, store, jobs, f"Running {len(grid_cells)} cells")
+    table = trial_table(grid_cells, done)
+    assert not table[OUTCOMES].isna().any(axis=None)
+    publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
     comparison = comparison_table(table, settings.statistics.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
     summary = summary_text(comparison, settings.statistics.significance_level)
-    files = [TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE]
+    files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, SUMMARY_FILE]
     if regret:
-        summary += "\n" + _regret_summary(grid_cells, table)
+        judged = [
+            Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
+            for cell, runs in zip(grid_cells, done, strict=True)
+        ]
+        losses = regret_rows(grid_cells, _run(judged, store, jobs, "Measuring regret"))
+        publish_table(folder, losses, [REGRET_FILE])
+        names = {condition: describe(reference) for condition, reference in judges.items()}
+        summary += "\n" + regret_text(regret_table(table.merge(losses, on=KEY)), names)
         files.append(REGRET_FILE)
     if bound:
         gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", jobs))
@@ -89,23 +113,19 @@ def benchmark(
         hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.situation.prior is not None)
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
-    else:
-        (folder / BOUNDS_FILE).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
+    for file in {REGRET_FILE, BOUNDS_FILE} - set(files):
+        (folder / file).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
         "seed": grid.benchmark.seed,
         "reactions": digests(reaction_requests(settings)),
+        "references": {condition: reference.plain() for condition, reference in judges.items()},
     }
     publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
     typer.echo(summary)
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
-
-
-def _regret_summary(cells: Sequence[Cell], table: pd.DataFrame) -> str:
-    references = {cell.condition: describe(cell.reference) for cell in cells if cell.reference is not None}
-    return regret_text(regret_table(table), references)
 
 
 def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:
@@ -115,9 +135,9 @@ def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:
         return run_bounds(cells, writable_folder(store), jobs, lambda: bar.advance(task))
 
 
-def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:
+def _run(grid: Sequence[Job[T]], store: Path, jobs: int, title: str) -> list[dict[int, T]]:
     console = talk()
-    total = sum(len(cell.trial_numbers()) * cell.n_cycles for cell in cells)
+    total = sum(len(job.trial_numbers()) * job.effort for job in grid)
     share = TextColumn("{task.percentage:.0f} %")
     with Progress(
         TextColumn("{task.description}"),
@@ -127,10 +147,8 @@ def _run(cells: list[Cell], store: Path, jobs: int) -> pd.DataFrame:
         TimeRemainingColumn(),
         console=console,
     ) as bar:
-        task = bar.add_task(f"Running {len(cells)} cells", total=total)
-        done, warnings = run_grid(cells, store, jobs, lambda cell, n: bar.advance(task, n * cell.n_cycles))
+        task = bar.add_task(title, total=total)
+        done, warnings = run_grid(grid, store, jobs, lambda job, n: bar.advance(task, n * job.effort))
     for warning in warnings:
         console.print(f"Warning: {warning}", markup=False)
-    table = trial_table(cells, done)
-    assert not table[OUTCOMES].isna().any(axis=None)
-    return table
+    return done

@@ -15,6 +15,8 @@ from fatigue_planner.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.planners.effort import check_effort
 from fatigue_planner.planners.reference import reference_for
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings, ReferenceSettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.situation import Situation
 from fatigue_planner.reactions.reaction import ReactionName
 
 T = TypeVar("T")
@@ -32,7 +34,6 @@ class Selection:
     trials: int | None
     descents: int | None
     seed: int | None
-    regret: bool
 
     def suffix(self) -> str:
         """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
@@ -42,7 +43,6 @@ class Selection:
         numbers = {"trials": self.trials, "descents": self.descents, "seed": self.seed}
         parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
         parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
-        parts += ["_regret"] if self.regret else []
         suffix = "".join(parts)
         return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
@@ -85,31 +85,36 @@ def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettin
     return policy.model_copy(update={"descents": descents, "seconds": None})
 
 
-def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], with_regret: bool) -> list[Cell]:
-    """The cells of the experiment's grid; with regret, each with the reference of its condition.
-
-    Raises ExperimentError for a lookahead that could never be waited for.
-    """
+def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
+    """The cells of the experiment's grid. Raises ExperimentError for a lookahead that could never be waited for."""
     grid = experiment.benchmark
     situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
-    beliefs = {
-        name: one.initial_belief("prior", one.model, np.random.default_rng(0)) for name, one in situations.items()
-    }
     for name, policy in grid.policies.items():
         if isinstance(policy, LookaheadSettings):
-            for belief in beliefs.values():
-                check_effort(f"benchmark.policies.{name}", policy, belief)
-    references: dict[str, ReferenceSettings | None] = dict.fromkeys(situations)
-    if with_regret:
-        references = {name: grid.reference or reference_for(belief) for name, belief in beliefs.items()}
-        if grid.reference is not None:
-            for belief in beliefs.values():
-                check_effort("benchmark.reference", grid.reference, belief)
+            for one in situations.values():
+                check_effort(f"benchmark.policies.{name}", policy, _initial_belief(one))
     return [
-        Cell(
-            condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials, references[condition]
-        )
+        Cell(condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials)
         for condition in grid.conditions
         for n_cycles in grid.n_cycles
         for policy, settings in grid.policies.items()
     ]
+
+
+def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, ReferenceSettings]:
+    """What the decisions in each condition of a grid are measured against.
+
+    Raises ExperimentError for a reference that could never be waited for.
+    """
+    chosen = experiment.benchmark.reference
+    found = {}
+    for name, one in {cell.condition: cell.situation for cell in grid}.items():
+        belief = _initial_belief(one)
+        if chosen is not None:
+            check_effort("benchmark.reference", chosen, belief)
+        found[name] = chosen or reference_for(belief)
+    return found
+
+
+def _initial_belief(one: Situation) -> Belief:
+    return one.initial_belief("prior", one.model, np.random.default_rng(0))

@@ -1,0 +1,119 @@
+"""Published tables are checked row by row before anything is made of them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.table import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.errors import DamagedFileError, FatplanError, MissingTableError, StaleTableError
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.results import courses, load_results
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.selection import Selection, cells, selected
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.reactions.reaction import Reaction, digests
+
+COMMAND = "fatplan benchmark"
+
+
+@pytest.fixture(scope="module")
+def small(paper: Experiment) -> Experiment:
+    return selected(paper, Selection([5], None, ["random", "greedy"], 4, None, None))
+
+
+def publish(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    grid = cells(experiment, cycle_profiles(experiment, reactions))
+    done, _ = run_grid(grid, folder / "parts", 1, lambda job, n: None)
+    publish_table(folder, trial_table(grid, done), [TRIALS_FILE, ACTIONS_FILE])
+    seal(experiment, folder)
+
+
+def seal(experiment: Experiment, folder: Path) -> None:
+    note = {"experiment": experiment.plain(), "reactions": digests(reaction_requests(experiment))}
+    publish_manifest(folder, "benchmark", note, [folder / TRIALS_FILE, folder / ACTIONS_FILE])
+
+
+@pytest.fixture
+def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path) -> Path:
+    publish(small, reactions, tmp_path)
+    return tmp_path
+
+
+def alter(path: Path, change: Callable[[list[str]], list[str]]) -> None:
+    path.write_text("\n".join(change(path.read_text().splitlines())) + "\n")
+
+
+def test_courses_come_to_the_returns_of_the_table(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path
+) -> None:
+    results = load_results(small, folder, COMMAND)
+    assert results.regret is None and results.bounds is None
+    grid = cells(small, cycle_profiles(small, reactions))
+    found = courses(grid, results, folder)
+    assert {key: len(runs) for key, runs in found.items()} == {
+        (cell.condition, 5, cell.policy): len(cell.trial_numbers()) for cell in grid
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda lines: [*lines, lines[3]], "stands twice: single_novice/5/random/2"),
+        (lambda lines: [*lines[:2], *lines[4:]], "2 rows are missing: single_novice/5/random/1, .*/2"),
+        (lambda lines: [*lines, lines[1].replace("novice", "nobody")], "belong to no cell .*single_nobody/5/random/0"),
+        (lambda lines: [*lines, lines[1].replace("random,0", "random,9")], "belong to no cell .*random/9"),
+        (lambda lines: [*lines[:1], lines[1].replace("-0.0", "-0.1"), *lines[2:]], "altered or damaged"),
+    ],
+    ids=["twice", "missing", "foreign", "too many", "altered"],
+)
+def test_wrong_rows_are_named(small: Experiment, folder: Path, change: Callable, message: str) -> None:
+    alter(folder / TRIALS_FILE, change)
+    with pytest.raises(DamagedFileError, match=message):
+        load_results(small, folder, COMMAND)
+
+
+def test_rows_of_another_configuration_are_named(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path: Path
+) -> None:
+    """A row copied from a run with another seed, and the manifest made anew: only living it through shows it."""
+    other = selected(small, Selection(None, None, None, None, None, 1))
+    publish(other, reactions, tmp_path / "other")
+    foreign = (tmp_path / "other" / TRIALS_FILE).read_text().splitlines()[3]
+    alter(folder / TRIALS_FILE, lambda lines: [*lines[:3], foreign, *lines[4:]])
+    seal(small, folder)
+    results = load_results(small, folder, COMMAND)
+    with pytest.raises(DamagedFileError, match=r"not from this configuration.*: single_novice/5/random/2\. Run"):
+        courses(cells(small, cycle_profiles(small, reactions)), results, folder)
+
+
+@pytest.mark.parametrize("text", ["0 1", "0 1 0 1 2", "0 1 0 1 x", "0 1 0 1 -1"])
+def test_actions_that_are_none_are_named(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, text: str
+) -> None:
+    table = pd.read_csv(folder / ACTIONS_FILE, dtype=str)
+    table.loc[0, "actions"] = text
+    table.to_csv(folder / ACTIONS_FILE, index=False)
+    seal(small, folder)
+    with pytest.raises(DamagedFileError, match="single_novice/5/random/0"):
+        courses(cells(small, cycle_profiles(small, reactions)), load_results(small, folder, COMMAND), folder)
+
+
+def test_tables_of_other_settings_are_refused(small: Experiment, folder: Path) -> None:
+    for change, name in (({"discount": 0.9}, "discount"), ({"tool": small.tool.model_copy(update={"mass_kg": 1})}, "")):
+        with pytest.raises(StaleTableError, match=f"other settings .*{name or 'tool, reactions'}"):
+            load_results(small.model_copy(update=change), folder, COMMAND)
+    looser = small.model_copy(update={"statistics": small.statistics.model_copy(update={"significance_level": 0.1})})
+    load_results(looser, folder, COMMAND)
+
+
+def test_what_is_not_there_is_said(small: Experiment, folder: Path, tmp_path: Path) -> None:
+    errors: list[tuple[str, type[FatplanError]]] = [
+        (ACTIONS_FILE, MissingTableError), ("manifest.json", DamagedFileError), (TRIALS_FILE, MissingTableError)
+    ]  # fmt: skip
+    for name, error in errors:
+        (folder / name).unlink()
+        with pytest.raises(error, match="Run `fatplan benchmark`"):
+            load_results(small, folder, COMMAND)
