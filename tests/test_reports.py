@@ -12,15 +12,15 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.model import Worker, build_human
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.reports.body import body_height_m, centre_of_mass_height_m, masses_section
-from fatigue_planner.reports.endurance import endurance_time_s, largest_deviation
-from fatigue_planner.reports.hand_calculation import standing_masses, static_moments_nm
-from fatigue_planner.reports.markdown import deviation_from, noteworthy, number, signed_percent, table, verdict
-from fatigue_planner.reports.page import human_page
-from fatigue_planner.reports.postures import model_torques_nm, postures_section
-from fatigue_planner.reports.reaction_torques import mid_work, reactions_section
-from fatigue_planner.reports.references import references
-from fatigue_planner.reports.strengths import strengths_section
+from fatigue_planner.reports.human.body import body_height_m, centre_of_mass_height_m, masses_section
+from fatigue_planner.reports.human.endurance import endurance_time_s, largest_deviation
+from fatigue_planner.reports.human.hand_calculation import standing_masses, static_moments_nm
+from fatigue_planner.reports.human.markdown import deviation_from, noteworthy, number, signed_percent, table, verdict
+from fatigue_planner.reports.human.page import human_page
+from fatigue_planner.reports.human.postures import model_torques_nm, postures_section
+from fatigue_planner.reports.human.reaction_torques import mid_work, reactions_section
+from fatigue_planner.reports.human.references import references
+from fatigue_planner.reports.human.strengths import strengths_section
 
 PAGE = Path(__file__).parents[1] / "docs" / "human.md"
 NUMBER = re.compile(r"[+−]?\d+(?:\.\d+)?")

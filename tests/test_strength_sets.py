@@ -9,7 +9,7 @@ from fatigue_planner.errors import DataFileError
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import GRAVITY_MPS2, joint_index
 from fatigue_planner.human.strength_sets import STRENGTHS, load_strengths, shipped_sets
-from fatigue_planner.reports.references import references
+from fatigue_planner.reports.human.references import references
 
 
 def write(path: Path, rows: str, based_on: str | None = "average_man") -> str:

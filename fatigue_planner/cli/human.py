@@ -24,7 +24,7 @@ from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
 from fatigue_planner.files import publish_text
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
-from fatigue_planner.reports.page import human_page
+from fatigue_planner.reports.human.page import human_page
 
 Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repeatable).")]
 

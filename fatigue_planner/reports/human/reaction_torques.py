@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fatigue_planner.human.model import Human, joint_index
 from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.reports.markdown import (
+from fatigue_planner.reports.human.markdown import (
     deviation_from,
     interval,
     noteworthy,
@@ -20,8 +20,8 @@ from fatigue_planner.reports.markdown import (
     table,
     verdict,
 )
-from fatigue_planner.reports.postures import JOINT_NAMES, lifting_torques_nm
-from fatigue_planner.reports.references import LoadedJoint, Target, references
+from fatigue_planner.reports.human.postures import JOINT_NAMES, lifting_torques_nm
+from fatigue_planner.reports.human.references import LoadedJoint, Target, references
 
 Vector = NDArray[np.float64]
 

@@ -4,8 +4,8 @@ from math import log
 
 import numpy as np
 
-from fatigue_planner.reports.markdown import noteworthy, number, signed_percent, table
-from fatigue_planner.reports.references import Endurance, references
+from fatigue_planner.reports.human.markdown import noteworthy, number, signed_percent, table
+from fatigue_planner.reports.human.references import Endurance, references
 
 SHARES = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
 GENERAL = "general"

@@ -6,9 +6,17 @@ import pinocchio as pin
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.model import Human, Worker
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
-from fatigue_planner.reports.hand_calculation import standing_masses
-from fatigue_planner.reports.markdown import deviation_from, noteworthy, number, outside, signed_percent, table, verdict
-from fatigue_planner.reports.references import references
+from fatigue_planner.reports.human.hand_calculation import standing_masses
+from fatigue_planner.reports.human.markdown import (
+    deviation_from,
+    noteworthy,
+    number,
+    outside,
+    signed_percent,
+    table,
+    verdict,
+)
+from fatigue_planner.reports.human.references import references
 
 OTHER_MASSES = ("dempster", "dhm66", "dumas")
 

@@ -1,8 +1,8 @@
 """Ranges of motion of the model beside the sources'."""
 
 from fatigue_planner.human.joint_data import ranges_of_motion
-from fatigue_planner.reports.markdown import number, outside, table, verdict
-from fatigue_planner.reports.references import references
+from fatigue_planner.reports.human.markdown import number, outside, table, verdict
+from fatigue_planner.reports.human.references import references
 
 
 def ranges_section() -> str:

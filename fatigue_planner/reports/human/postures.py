@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.joint_data import posture
 from fatigue_planner.human.model import BASE_DOF, Human, Worker, build_human, joint_index, stand
-from fatigue_planner.reports.hand_calculation import static_moments_nm
-from fatigue_planner.reports.markdown import (
+from fatigue_planner.reports.human.hand_calculation import static_moments_nm
+from fatigue_planner.reports.human.markdown import (
     deviation_from,
     interval,
     noteworthy,
@@ -17,7 +17,7 @@ from fatigue_planner.reports.markdown import (
     table,
     verdict,
 )
-from fatigue_planner.reports.references import LoadedJoint, ReferencePosture, references
+from fatigue_planner.reports.human.references import LoadedJoint, ReferencePosture, references
 
 Vector = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Human, Worker, build_human
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.reports.body import centre_of_mass_section, heights_section, masses_section
-from fatigue_planner.reports.endurance import endurance_section
-from fatigue_planner.reports.postures import postures_section
-from fatigue_planner.reports.ranges import ranges_section
-from fatigue_planner.reports.reaction_torques import reactions_section
-from fatigue_planner.reports.strengths import sets_section, strengths_section
+from fatigue_planner.reports.human.body import centre_of_mass_section, heights_section, masses_section
+from fatigue_planner.reports.human.endurance import endurance_section
+from fatigue_planner.reports.human.postures import postures_section
+from fatigue_planner.reports.human.ranges import ranges_section
+from fatigue_planner.reports.human.reaction_torques import reactions_section
+from fatigue_planner.reports.human.strengths import sets_section, strengths_section
 
 # The body for which the sums and bands of the source `plausibility` were made.
 EXPECTED_FOR = ("male", 1.75, 75.0)

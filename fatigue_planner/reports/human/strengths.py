@@ -3,8 +3,8 @@
 from fatigue_planner.human.model import Worker
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.human.strength_sets import load_strengths, shipped_sets
-from fatigue_planner.reports.markdown import noteworthy, number, table
-from fatigue_planner.reports.references import references
+from fatigue_planner.reports.human.markdown import noteworthy, number, table
+from fatigue_planner.reports.human.references import references
 
 COLUMNS = ("kamon", "anderson_young", "anderson_older")
 # Entries that the table of the sets shows: the joints that carry the paper's task.
