@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.figures.style import COLOURS, MARKERS, new_figure, words
+from fatigue_planner.figures.style import look, new_figure, words
 
 
 def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
@@ -34,13 +34,13 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
     span = high - low or abs(high) or 1.0
     rows = cell.to_dict("records")
     for place, row in enumerate(rows):
-        look = policies.index(row["policy"])
+        marker, colour = look(policies.index(row["policy"]))
         axes.errorbar(
             place,
             row["mean"],
             yerr=row["standard_deviation"] or None,
-            fmt=MARKERS[look % len(MARKERS)],
-            color=COLOURS[(look + look // len(MARKERS)) % len(COLOURS)],
+            fmt=marker,
+            color=colour,
             capsize=3,
             markersize=5,
         )

@@ -13,6 +13,7 @@ from fatigue_planner.files import publish, publish_text
 # Okabe & Ito's palette, told apart by the colour-blind; markers tell apart without colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "D", "^", "v", "P", "X")
+LINES = ("-", "--", "-.", ":")
 
 SETTINGS: Any = {
     "figure.dpi": 100,
@@ -22,7 +23,7 @@ SETTINGS: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "svg.hashsalt": "fatplan",
-    "svg.fonttype": "none",
+    "svg.fonttype": "path",  # looks the same where the font is not installed
 }
 
 
@@ -30,6 +31,11 @@ def new_figure(width_in: float, height_in: float) -> Figure:
     """An empty figure in the common style, apart from matplotlib's global state."""
     mpl.rcParams.update(SETTINGS)
     return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def look(place: int) -> tuple[str, str]:
+    """Marker and colour of the policy at a place of the experiment's order; both tell it apart."""
+    return MARKERS[place % len(MARKERS)], COLOURS[(place + place // len(MARKERS)) % len(COLOURS)]
 
 
 def publish_png(path: Path, figure: Figure) -> None:

@@ -1,0 +1,73 @@
+"""What Figure 5 shows, as estimates: how much each policy costs against one of them, with intervals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fatigue_planner.figures.style import look, new_figure, words
+from fatigue_planner.statistics.contrasts import contrast_of
+
+WIDTH_IN = 7.2
+
+
+def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -> pd.DataFrame:
+    """Cost of every policy minus the anchor's in the same worlds, as share of the cost, with its interval.
+
+    Positive: costs more than the anchor. Pairs that no family compares are left out.
+    """
+    rows = []
+    for (condition, n_cycles), cell in trials.groupby(["condition", "n_cycles"], sort=False):
+        for policy in dict.fromkeys(cell["policy"]):
+            compared = contrasts[(contrasts["condition"] == condition) & (contrasts["n_cycles"] == n_cycles)]
+            if policy == anchor or not _compared(compared, {policy, anchor}):
+                continue
+            found = contrast_of(contrasts, str(condition), int(n_cycles), policy, anchor)
+            cost = -(found.first_mean + found.second_mean) / 2 or np.nan
+            rows.append(
+                {
+                    "condition": condition, "n_cycles": n_cycles, "policy": policy, "anchor": anchor,
+                    "extra_cost_share": -found.difference / cost, "low_share": -found.t_high / cost,
+                    "high_share": -found.t_low / cost, "note": found.note,
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def _compared(contrasts: pd.DataFrame, pair: set[str]) -> bool:
+    return any({first, second} == pair for first, second in zip(contrasts["first"], contrasts["second"], strict=True))
+
+
+def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str]) -> Figure:
+    """Panels of intervals: one row per condition, one column per number of cycles; the margin is shaded."""
+    conditions, lengths = list(dict.fromkeys(table["condition"])), list(dict.fromkeys(table["n_cycles"]))
+    shown = [policy for policy in policies if policy in set(table["policy"])]
+    figure = new_figure(WIDTH_IN, len(conditions) * (0.75 + 0.19 * len(shown)) + 0.4)
+    axes = figure.subplots(len(conditions), len(lengths), squeeze=False, sharey=True)
+    for row, condition in enumerate(conditions):
+        for column, n_cycles in enumerate(lengths):
+            cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
+            _panel(axes[row, column], cell, margin, shown, list(policies))
+            axes[row, column].set_title(f"{words(str(condition))}, {n_cycles} cycles")
+    figure.supxlabel(
+        f"cost above that of {words(str(table['anchor'].iloc[0]))}, % (shaded: ±{100 * margin:g} %, as good as equal)",
+        fontsize=9,
+    )
+    return figure
+
+
+def _panel(axes: Axes, cell: pd.DataFrame, margin: float, shown: Sequence[str], policies: list[str]) -> None:
+    axes.axvspan(-100 * margin, 100 * margin, color="0.9", zorder=0, linewidth=0)
+    axes.axvline(0, color="0.4", linewidth=0.8)
+    for place, policy in enumerate(shown):
+        if policy not in cell.index:
+            continue
+        row = 100 * cell.loc[policy, ["extra_cost_share", "low_share", "high_share"]].astype(float)
+        centre, low, high = row
+        marker, colour = look(policies.index(policy))
+        error = None if np.isnan(low) else [[centre - low], [high - centre]]
+        axes.errorbar(centre, place, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)
+    axes.set_yticks(range(len(shown)), [words(policy) for policy in shown])
+    axes.set_ylim(len(shown) - 0.5, -0.5)

@@ -1,0 +1,75 @@
+"""What a page is made of: sections of paragraphs, figures and tables, written from computed values only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import pandas as pd
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph."""
+
+    words: str
+
+
+@dataclass(frozen=True)
+class Points:
+    """A list of sentences."""
+
+    items: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure: its SVG, what it shows, the same in words for those who cannot see it, and the file of its data."""
+
+    svg: str
+    caption: str
+    alternative: str
+    data_file: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of texts; columns of numbers stand to the right. data_file: where the values are in full."""
+
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    data_file: str | None = None
+
+    def alignment(self, column: int) -> Literal["right", "left"]:
+        """How a column stands."""
+        cells = [row[column] for row in self.rows if row[column] not in {"", "–"}]
+        return "right" if cells and all(cell[0] in "0123456789−+±<" for cell in cells) else "left"
+
+
+@dataclass(frozen=True)
+class Code:
+    """Commands or settings, as they are typed."""
+
+    text: str
+
+
+Block = Text | Points | Picture | Table | Code
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a page with a heading."""
+
+    title: str
+    blocks: Sequence[Block] = field(default_factory=tuple)
+
+    @property
+    def anchor(self) -> str:
+        """The name that links lead to."""
+        return "".join(letter if letter.isalnum() else "-" for letter in self.title.lower())
+
+
+def table_of(frame: pd.DataFrame, caption: str, columns: dict[str, str], data_file: str | None = None) -> Table:
+    """A table of a frame's columns of texts, under the names of `columns`."""
+    rows = [[str(cell) for cell in row] for row in frame[list(columns)].itertuples(index=False)]
+    return Table(caption, list(columns.values()), rows, data_file)
