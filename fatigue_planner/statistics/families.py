@@ -7,6 +7,7 @@ import pandas as pd
 
 from fatigue_planner.statistics.settings import Family
 
+CELL_AND_POLICY = ("condition", "n_cycles", "policy")
 # The family of an experiment that names none: all pairs of policies in all conditions and lengths.
 EVERYTHING = {"all": Family()}
 
@@ -30,9 +31,11 @@ def comparisons(trials: pd.DataFrame, families: dict[str, Family]) -> list[Compa
     family names but the table lacks is left out: a command may have restricted the grid.
     """
     order = list(dict.fromkeys(trials["policy"]))
-    cells = trials.groupby(["condition", "n_cycles"], sort=False)["policy"].unique()
+    cells: dict[tuple[str, int], set[str]] = {}
+    for condition, n_cycles, policy in zip(*(trials[key].tolist() for key in CELL_AND_POLICY), strict=True):
+        cells.setdefault((condition, n_cycles), set()).add(policy)
     return [
-        Comparison(name, str(condition), int(n_cycles), first, second)
+        Comparison(name, condition, n_cycles, first, second)
         for name, family in (families or EVERYTHING).items()
         for (condition, n_cycles), policies in cells.items()
         if _has(family.conditions, condition) and _has(family.n_cycles, n_cycles)

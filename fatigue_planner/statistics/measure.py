@@ -87,7 +87,7 @@ def _with_shares(contrast: Contrast, pairs: Pairs, level: float) -> Contrast:
 def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings, seed: int) -> Contrast:
     differences, level, resamples = pairs.differences, settings.significance_level, settings.resamples
     # the draws, too, are the same whichever policy comes first
-    key = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
+    key: tuple[str | int, ...] = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
     t_low, t_high = t_interval(differences, level)
     bca_low, bca_high = bca_interval(differences, level, resamples, stream(seed, "bootstrap", *key))
     cost = contrast.mean_cost

@@ -1,5 +1,6 @@
 """Two policies' runs in the same worlds, side by side."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ class Runs:
         return [trial for trial in trials if trial not in self.returns]
 
     def in_worlds(self, trials: Sequence[int]) -> Vector:
-        """The returns in the worlds of these trials; one that leaves nothing to chance returns in all what it did once."""
+        """The returns in the worlds of these trials; a deterministic policy returns in all what it did in one."""
         if self.deterministic:
             return np.full(len(trials), next(iter(self.returns.values())))
         return np.array([self.returns[trial] for trial in trials])
@@ -68,15 +69,14 @@ def _vary(values: Vector, *scale: Vector) -> bool:
 
 def runs_by_policy(trials: pd.DataFrame) -> dict[tuple[str, int, str], Runs]:
     """The runs of every condition, length and policy; a run without a return (NaN) is missing."""
-    return {
-        (str(condition), int(n_cycles), str(policy)): Runs(
-            str(policy),
-            dict(zip(there["trial"].tolist(), there["discounted_return"].tolist(), strict=True)),
-            bool(rows["deterministic"].all()),
-        )
-        for (condition, n_cycles, policy), rows in trials.groupby(["condition", "n_cycles", "policy"], sort=False)
-        for there in [rows[rows["discounted_return"].notna()]]
-    }
+    runs: dict[tuple[str, int, str], Runs] = {}
+    columns = ("condition", "n_cycles", "policy", "trial", "deterministic", "discounted_return")
+    rows = zip(*(trials[column].tolist() for column in columns), strict=True)
+    for condition, n_cycles, policy, trial, deterministic, discounted_return in rows:
+        policy_runs = runs.setdefault((condition, n_cycles, policy), Runs(policy, {}, deterministic))
+        if not math.isnan(discounted_return):
+            policy_runs.returns[trial] = discounted_return
+    return runs
 
 
 def pair(first: Runs, second: Runs) -> Pairs:
