@@ -12,10 +12,12 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
+from fatigue_planner.experiment.resolve import load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.results import load_results
 from fatigue_planner.files import writable_folder
 from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.statistics.comparison import comparison_table
 
 
 def figures(
@@ -28,16 +30,19 @@ def figures(
     Needs the reactions of `fatplan simulate` and, if the experiment names figures of returns, the results
     of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
     """
-    from fatigue_planner.cli.drawing import draw_reactions, draw_returns  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
+    from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415
 
     settings = load_experiment(experiment)
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
-    folder = results / settings.name
-    files = []
+    gallery = Gallery(results / settings.name)
     if settings.figures:
-        files += draw_returns(settings, folder, command_line("benchmark", experiment, cache, results))
-    files += draw_reactions(settings, reactions, writable_folder(folder))
-    publish_manifest(folder, "figures", {"reactions": digests(reaction_requests(settings))}, files)
-    for path in files:
+        tables = load_results(settings, gallery.folder, command_line("benchmark", experiment, cache, results))
+        draw_returns(gallery, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+    writable_folder(gallery.folder)
+    draw_reactions(gallery, settings, reactions, worker_fatigue(settings))
+    note = {"reactions": digests(reaction_requests(settings))}
+    publish_manifest(gallery.folder, "figures", note, gallery.files)
+    for path in gallery.files:
         if path.suffix == ".png":
             typer.echo(f"{path} (and .svg, .csv)")

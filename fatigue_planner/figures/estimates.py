@@ -8,7 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fatigue_planner.figures.style import look, new_figure, words
-from fatigue_planner.statistics.contrasts import contrast_of
+from fatigue_planner.statistics.contrast import contrast_of
+from fatigue_planner.statistics.rows import cells_of
 
 WIDTH_IN = 7.2
 
@@ -19,13 +20,13 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
     Positive: costs more than the anchor. Pairs that no family compares are left out.
     """
     rows = []
-    for (condition, n_cycles), cell in trials.groupby(["condition", "n_cycles"], sort=False):
+    for condition, n_cycles, cell in cells_of(trials):
         for policy in dict.fromkeys(cell["policy"]):
             compared = contrasts[(contrasts["condition"] == condition) & (contrasts["n_cycles"] == n_cycles)]
             if policy == anchor or not _compared(compared, {policy, anchor}):
                 continue
-            found = contrast_of(contrasts, str(condition), int(n_cycles), policy, anchor)
-            cost = -(found.first_mean + found.second_mean) / 2 or np.nan
+            found = contrast_of(contrasts, condition, n_cycles, policy, anchor)
+            cost = found.mean_cost or np.nan
             rows.append(
                 {
                     "condition": condition, "n_cycles": n_cycles, "policy": policy, "anchor": anchor,
@@ -64,8 +65,8 @@ def _panel(axes: Axes, cell: pd.DataFrame, margin: float, shown: Sequence[str], 
     for place, policy in enumerate(shown):
         if policy not in cell.index:
             continue
-        row = 100 * cell.loc[policy, ["extra_cost_share", "low_share", "high_share"]].astype(float)
-        centre, low, high = row
+        columns = ["extra_cost_share", "low_share", "high_share"]
+        centre, low, high = (100 * number for number in cell.loc[policy, columns].to_numpy(dtype=float))
         marker, colour = look(policies.index(policy))
         error = None if np.isnan(low) else [[centre - low], [high - centre]]
         axes.errorbar(centre, place, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)

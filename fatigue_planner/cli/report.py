@@ -1,0 +1,58 @@
+"""`fatplan report`: one page with all results of an experiment."""
+
+import time
+
+import typer
+
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_EXPERIMENT,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    ExperimentFile,
+    ResultsFolder,
+    command_line,
+)
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.resolve import cycle_profiles, load_reactions, reaction_requests
+from fatigue_planner.experiment.results import courses, load_results
+from fatigue_planner.experiment.selection import cells
+from fatigue_planner.files import publish_text
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.reactions.reaction import digests
+
+
+def report(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cache: CacheFolder = DEFAULT_CACHE,
+    results: ResultsFolder = DEFAULT_RESULTS,
+) -> None:
+    """Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and tables.
+
+    Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
+    does not change. Every run is lived through again from its actions; one that does not come to its return is named.
+    """
+    from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
+    from fatigue_planner.reports.results.report import REPORT_FILE, report  # noqa: PLC0415
+
+    begin = time.perf_counter()
+    settings = load_experiment(experiment)
+    simulate, benchmark, own = (
+        command_line(command, experiment, cache, results) for command in ("simulate", "benchmark", "report")
+    )
+    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    folder = results / settings.name
+    tables = load_results(settings, folder, benchmark)
+    grid = cells(settings, cycle_profiles(settings, reactions))
+    material = Material(settings, reactions, grid, tables, courses(grid, tables, folder))
+    gallery = Gallery(folder)
+    path = folder / REPORT_FILE
+    publish_text(path, report(material, gallery, experiment, [simulate, f"{benchmark} --regret --bound", own]))
+    note = {"reactions": digests(reaction_requests(settings))}
+    publish_manifest(folder, "report", note, [*gallery.files, path])
+    size = path.stat().st_size / 1e6
+    typer.echo(
+        f"{path}: {size:.1f} MB; {len(gallery.files)} files of figures and data beside it "
+        f"({time.perf_counter() - begin:.1f} s)."
+    )

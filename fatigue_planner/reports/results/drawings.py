@@ -1,0 +1,103 @@
+"""The figures of an experiment's returns and reactions."""
+
+from collections.abc import Mapping, Sequence
+
+import pandas as pd
+
+from fatigue_planner.experiment.resolve import cycle_profiles
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.parameters import FatigueParameters
+from fatigue_planner.figures.pose_map import place_figure, place_table
+from fatigue_planner.figures.postures import FEW, posture_figure
+from fatigue_planner.figures.returns import returns_figure
+from fatigue_planner.figures.style import words
+from fatigue_planner.figures.torques import course_figure, torque_figure
+from fatigue_planner.human.model import build_human
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reports.html.blocks import Picture
+from fatigue_planner.reports.html.words import listing, percent, significant
+from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.statistics.rows import cells_of, records
+
+
+def draw_returns(gallery: Gallery, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
+    """The paper's Figure 5: one picture for each that the experiment names."""
+    pictures = []
+    for name, conditions in experiment.figures.items():
+        shown = comparison[comparison["condition"].isin(conditions)]
+        figure = returns_figure(comparison, conditions, list(experiment.benchmark.policies))
+        caption = (
+            f"`{name}`: discounted accumulated reward, mean ± standard deviation over the runs, best policy first. "
+            "Between neighbours stands the paper's test: Student's, unpaired, not corrected "
+            "(* p < .05, ** p < .01, *** p < .001, ns: not significant; none where a policy has one run only)."
+        )
+        pictures.append(gallery.add(name, figure, shown, caption, _best_and_worst(shown)))
+    return pictures
+
+
+def _best_and_worst(comparison: pd.DataFrame) -> str:
+    sentences = []
+    for condition, n_cycles, cell in cells_of(comparison):
+        best, worst = records(cell.iloc[[0, -1]])
+        sentences.append(
+            f"{words(condition)}, {n_cycles} cycles: from {words(best['policy'])} ({significant(best['mean'])}) to "
+            f"{words(worst['policy'])} ({significant(worst['mean'])})"
+        )
+    return "; ".join(sentences) + "."
+
+
+def draw_reactions(
+    gallery: Gallery,
+    experiment: Experiment,
+    reactions: Sequence[Reaction],
+    parameters: Mapping[str, FatigueParameters],
+) -> list[Picture]:
+    """Postures, loads and, for grids of poses, maps."""
+    places = place_table(experiment.actions, cycle_profiles(experiment, reactions))
+    pictures = []
+    for worker, person in experiment.workers.items():
+        several = len(experiment.workers) > 1
+        suffix, whose = (f"_{worker}", f" of {words(worker)}") if several else ("", "")
+        own = [reaction for reaction in reactions if reaction.name.worker == worker]
+        figure, table = posture_figure(build_human(person), own, parameters[worker])
+        caption = f"The reactions{whose} in the middle of the work; discs: the largest load at each joint."
+        pictures.append(gallery.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
+        if len(own) <= FEW:
+            figure, table = course_figure(own, parameters)
+            caption = f"Loads{whose} over the cycle: the entries with the highest mean load."
+            pictures.append(gallery.add(f"courses{suffix}", figure, table, caption, _peaks(table)))
+        map_figure = place_figure(places, worker, list(experiment.preferences))
+        if map_figure is not None:
+            table = places[places["worker"] == worker]
+            caption = f"What it costs{whose} to work at each place."
+            pictures.append(gallery.add(f"places{suffix}", map_figure, table, caption, "see the table."))
+    figure, table = torque_figure(reactions, parameters)
+    caption = "Mean loads during work above the threshold of fatigue, as share of the worker's strength."
+    return [*pictures, gallery.add("torques", figure, table, caption, _heaviest_entries(table))]
+
+
+def _heaviest_joints(table: pd.DataFrame) -> str:
+    joints = table.dropna(subset="share_of_maximum")
+    rows = joints.loc[joints.groupby(["action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return _loads(rows, "landmark")
+
+
+def _heaviest_entries(table: pd.DataFrame) -> str:
+    rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return _loads(rows, "entry")
+
+
+def _peaks(table: pd.DataFrame) -> str:
+    rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return "the peaks are: " + _loads(rows, "entry")
+
+
+def _loads(rows: pd.DataFrame, column: str) -> str:
+    shown = rows.head(FEW)
+    listed = [
+        f"{row['action']}/{row['preference']} {percent(row['share_of_maximum'], 0)} of the strength at "
+        f"{words(row[column])}"
+        for row in records(shown)
+    ]
+    more = len(rows) - len(shown)
+    return listing([*listed, *([f"{more} more"] if more > 0 else [])]) + "."

@@ -1,0 +1,39 @@
+"""The report of an experiment's results: one page a reviewer can check."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from fatigue_planner.reports.html.blocks import Section
+from fatigue_planner.reports.html.page import page
+from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.reports.results.material import Material
+from fatigue_planner.reports.results.sections.actions import actions_section
+from fatigue_planner.reports.results.sections.fatigue import fatigue_section
+from fatigue_planner.reports.results.sections.findings import findings
+from fatigue_planner.reports.results.sections.losses import losses_section
+from fatigue_planner.reports.results.sections.provenance import provenance_section
+from fatigue_planner.reports.results.sections.reactions import reactions_section
+from fatigue_planner.reports.results.sections.returns import returns_section
+from fatigue_planner.reports.results.sections.settings import settings_section
+
+REPORT_FILE = "report.html"
+
+
+def report(material: Material, gallery: Gallery, file: Path, commands: Sequence[str]) -> str:
+    """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder."""
+    sections: list[Section | None] = [
+        returns_section(material, gallery),
+        losses_section(material, gallery),
+        fatigue_section(material, gallery),
+        actions_section(material, gallery),
+        reactions_section(material, gallery),
+        settings_section(file),
+        provenance_section(material, list(commands), file),
+    ]
+    version = material.results.note["versions"]["fatplan"]
+    return page(
+        f"Results of the experiment {material.experiment.name}",
+        f"Written by fatplan {version} from {file.name} and the tables beside this page; no number is typed.",
+        [findings(material)],
+        [section for section in sections if section is not None],
+    )

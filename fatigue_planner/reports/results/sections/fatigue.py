@@ -1,0 +1,38 @@
+"""Fatigue over the cycles."""
+
+import numpy as np
+
+from fatigue_planner.figures.fatigue_course import fatigue_figure, fatigue_table, most_tired
+from fatigue_planner.figures.style import words
+from fatigue_planner.reports.html.blocks import Section
+from fatigue_planner.reports.html.words import listing, percent
+from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.reports.results.material import Material
+
+
+def fatigue_section(material: Material, gallery: Gallery) -> Section:
+    """How tired each group of joints gets under each policy in the longest runs."""
+    longest = material.longest
+    fatigue = {
+        (condition, policy): np.array([course.fatigue for course in runs])
+        for (condition, n_cycles, policy), runs in material.courses.items()
+        if n_cycles == longest
+    }
+    table = fatigue_table(fatigue)
+    caption = (
+        f"Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints, mean over the "
+        f"runs of {longest} cycles; the groups that end up most tired. The table holds all groups."
+    )
+    last = table[table["cycle"] == longest]
+    sentences = []
+    for group in most_tired(table):
+        mean = last[last["joint_group"] == group].groupby("policy", sort=False)["highest_fatigue"].mean()
+        sentences.append(
+            f"{words(group)} ends between {percent(mean.min(), 0)} ({words(str(mean.idxmin()))}) and "
+            f"{percent(mean.max(), 0)} ({words(str(mean.idxmax()))})"
+        )
+    alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
+    return Section(
+        "Fatigue over the cycles",
+        [gallery.add("fatigue", fatigue_figure(table, material.policies), table, caption, alternative)],
+    )

@@ -1,0 +1,81 @@
+"""The postural reactions: postures, torques, and what one cycle does to fatigue."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from fatigue_planner.experiment.resolve import cycle_profiles
+from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.figures.postures import FEW
+from fatigue_planner.figures.style import words
+from fatigue_planner.figures.torques import torque_table
+from fatigue_planner.reactions.reaction import ReactionName
+from fatigue_planner.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.reports.html.words import percent, significant
+from fatigue_planner.reports.results.drawings import draw_reactions
+from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.reports.results.material import Material
+from fatigue_planner.statistics.rows import records
+
+LARGEST = 5  # entries of each reaction in the tables
+
+
+def reactions_section(material: Material, gallery: Gallery) -> Section:
+    """Pictures of the reactions; for a few of them also their torques and cycle maps as tables."""
+    blocks: list[Block] = [*draw_reactions(gallery, material.experiment, material.reactions, material.fatigue)]
+    maps = cycle_map_table(material)
+    file = gallery.add_table("cycle_maps", maps)
+    if len(material.reactions) <= FEW:
+        blocks += [_torques(material), _maps(maps, file)]
+    else:
+        blocks.append(Text(f"What one cycle of each of the {len(material.reactions)} reactions does: `{file}`."))
+    return Section("The postural reactions", blocks)
+
+
+def cycle_map_table(material: Material) -> pd.DataFrame:
+    """The affine map of one cycle, f' = gain f + offset, for every entry that a reaction tires."""
+    rows = []
+    for name, profile in cycle_profiles(material.experiment, material.reactions).items():
+        one = profile.cycle_map()
+        for place in np.flatnonzero(one.offset > 0):
+            gain, offset = float(one.gain[place]), float(one.offset[place])
+            rows.append(
+                name._asdict()
+                | {
+                    "entry": ENTRIES[place], "gain": gain, "offset": offset,
+                    "fatigue_if_repeated": offset / (1 - gain) if gain < 1 else 1.0,
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def _torques(material: Material) -> Table:
+    table = torque_table(material.reactions, material.fatigue)
+    rows = [
+        [_reaction(row), words(row["entry"]), significant(row["mean_torque_nm"]), percent(row["share_of_maximum"], 0)]
+        for _, group in table.groupby(list(ReactionName._fields), sort=False)
+        for row in records(group.nlargest(LARGEST, "share_of_maximum"))
+    ]
+    caption = f"The {LARGEST} largest mean loads of each reaction during work."
+    return Table(caption, ["reaction", "entry", "torque, N·m", "share of strength"], rows, "torques.csv")
+
+
+def _maps(maps: pd.DataFrame, file: str) -> Table:
+    numbers = ("gain", "offset", "fatigue_if_repeated")
+    rows = [
+        [_reaction(row), words(row["entry"]), *(significant(row[number]) for number in numbers)]
+        for _, group in maps.groupby(list(ReactionName._fields), sort=False)
+        for row in records(group.nlargest(LARGEST, "offset"))
+    ]
+    caption = (
+        "What one cycle does to fatigue: f′ = gain · f + offset, exactly (Eq. 2 over the whole cycle); the largest "
+        "offsets, and where f settles if the reaction is repeated for ever."
+    )
+    header = ["reaction", "entry", "gain", "offset", "fatigue if repeated"]
+    return Table(caption, header, rows, file)
+
+
+def _reaction(row: Mapping[str, Any]) -> str:
+    return f"{row['action']}/{row['preference']}"
