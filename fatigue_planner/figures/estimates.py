@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fatigue_planner.figures.style import look, new_figure, words
-from fatigue_planner.statistics.contrast import contrast_of
+from fatigue_planner.statistics.contrast import contrast_of, is_compared
 from fatigue_planner.statistics.rows import cells_of
 
 WIDTH_IN = 7.2
@@ -22,8 +22,7 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
     rows = []
     for condition, n_cycles, cell in cells_of(trials):
         for policy in dict.fromkeys(cell["policy"]):
-            compared = contrasts[(contrasts["condition"] == condition) & (contrasts["n_cycles"] == n_cycles)]
-            if policy == anchor or not _compared(compared, {policy, anchor}):
+            if not is_compared(contrasts, condition, n_cycles, policy, anchor):
                 continue
             found = contrast_of(contrasts, condition, n_cycles, policy, anchor)
             cost = found.mean_cost or np.nan
@@ -35,10 +34,6 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
                 }
             )  # fmt: skip
     return pd.DataFrame(rows)
-
-
-def _compared(contrasts: pd.DataFrame, pair: set[str]) -> bool:
-    return any({first, second} == pair for first, second in zip(contrasts["first"], contrasts["second"], strict=True))
 
 
 def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str]) -> Figure:

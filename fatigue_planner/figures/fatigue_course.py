@@ -13,6 +13,7 @@ from fatigue_planner.figures.style import LINES, look, new_figure, words
 Array = NDArray[np.float64]
 
 SHOWN = 4  # groups of joints: those most tired at the end
+SMOOTHED_CYCLES = 10  # fatigue goes up and down with every action; the trend is what tells policies apart
 
 
 def fatigue_table(fatigue: Mapping[tuple[str, str], Array]) -> pd.DataFrame:
@@ -57,8 +58,9 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
                     continue
                 marker, colour = look(place)
                 every = max(len(line) // 5, 1)
+                trend = line["highest_fatigue"].rolling(SMOOTHED_CYCLES, min_periods=1).mean()
                 panel.plot(
-                    line["cycle"], line["highest_fatigue"], color=colour, marker=marker, markersize=3.5,
+                    line["cycle"], trend, color=colour, marker=marker, markersize=3.5,
                     markevery=(place * every // len(policies), every), linewidth=1, linestyle=LINES[place % len(LINES)],
                     label=words(policy),
                 )  # fmt: skip
@@ -66,8 +68,9 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
                 panel.set_title(words(group))
             if column == 0:
                 panel.set_ylabel(words(condition))
-    figure.supxlabel("cycle", fontsize=9)
-    figure.supylabel("fatigue of the most tired degree of freedom, mean over runs", fontsize=9)
+    for panel in axes[-1]:
+        panel.set_xlabel("cycle")
+    figure.supylabel("fatigue, mean over runs", fontsize=9)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), frameon=False, fontsize=8)
     return figure

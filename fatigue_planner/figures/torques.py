@@ -65,7 +65,7 @@ def _bars(
         )
     for threshold in thresholds:
         axes.axvline(100 * threshold, color="0.3", linewidth=0.8, linestyle="--")
-    axes.set_yticks(range(len(entries)), [_entry_label(entry) for entry in entries])
+    axes.set_yticks(range(len(entries)), [entry_label(entry) for entry in entries])
     axes.invert_yaxis()
     axes.set_xlabel(
         "mean load during work, % of the maximum torque (dashed: threshold of fatigue)\n"
@@ -81,7 +81,7 @@ def _colours(
     figure = new_figure(2.6 + 0.2 * len(entries), 1.9 + 0.13 * len(reactions))
     axes = figure.subplots()
     image = axes.imshow(100 * shares, cmap="YlOrRd", vmin=0, vmax=60, aspect="auto")
-    axes.set_xticks(range(len(entries)), [_entry_label(entry) for entry in entries], rotation=90, fontsize=6)
+    axes.set_xticks(range(len(entries)), [entry_label(entry) for entry in entries], rotation=90, fontsize=6)
     axes.set_yticks(range(len(reactions)), [_label(reaction, reactions) for reaction in reactions], fontsize=5.5)
     bar = figure.colorbar(image, ax=axes, extend="max", label="mean load during work, % of the maximum torque")
     for threshold in thresholds:
@@ -109,7 +109,7 @@ def course_figure(
             panel.plot(
                 times, 100 * share[::every, entry], color=COLOURS[colour], linewidth=1.1,
                 linestyle="--" if ENTRIES[entry].startswith("left") else "-",
-                label=_entry_label(ENTRIES[entry]),
+                label=entry_label(ENTRIES[entry]),
             )  # fmt: skip
             rows += [
                 reaction.name._asdict() | {"time_s": time, "entry": ENTRIES[entry], "share_of_maximum": value}
@@ -133,6 +133,7 @@ def _label(reaction: Reaction, among: Sequence[Reaction]) -> str:
     return ", ".join(words(part) for part in parts)
 
 
-def _entry_label(entry: str) -> str:
+def entry_label(entry: str) -> str:
+    """An entry as it stands in a figure: its degree of freedom and direction."""
     freedom, direction = entry.split(":")
     return f"{words(freedom)} {'+' if direction == 'positive' else '−'}"

@@ -92,6 +92,13 @@ class Contrast:
 COLUMNS = [field.name for field in fields(Contrast)]
 
 
+def is_compared(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> bool:
+    """Whether a family has the contrast of two policies, in either order."""
+    cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)]
+    pairs = set(zip(cell["first"], cell["second"], strict=True))
+    return bool(pairs & {(first, second), (second, first)})
+
+
 def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> Contrast:
     """The contrast of two policies, turned if the table holds it the other way round.
 

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 
+BLANK = "\u00a0"
+
 
 def significant(value: float, digits: int = 3) -> str:
     """A number with some significant digits; `n/a` where there is none."""
@@ -10,13 +12,13 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def percent(share: float, digits: int = 2) -> str:
-    """A share as per cent with some decimals."""
-    return "n/a" if math.isnan(share) else f"{100 * share:.{digits}f} %".replace("-", "−")
+    """A share as per cent with some decimals; the sign stays with the number where a line breaks."""
+    return "n/a" if math.isnan(share) else f"{100 * share:.{digits}f}{BLANK}%".replace("-", "−")
 
 
 def percent_range(low: float, high: float, digits: int = 2) -> str:
     """An interval of shares as per cent."""
-    return f"{percent(low, digits).removesuffix(' %')} to {percent(high, digits)}"
+    return f"{percent(low, digits).removesuffix(f'{BLANK}%')} to {percent(high, digits)}"
 
 
 def listing(items: Sequence[str]) -> str:

@@ -11,13 +11,17 @@ from fatigue_planner.figures.pose_map import place_figure, place_table
 from fatigue_planner.figures.postures import FEW, posture_figure
 from fatigue_planner.figures.returns import returns_figure
 from fatigue_planner.figures.style import words
-from fatigue_planner.figures.torques import course_figure, torque_figure
+from fatigue_planner.figures.torques import course_figure, entry_label, torque_figure
 from fatigue_planner.human.model import build_human
+from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.reports.html.blocks import Picture
 from fatigue_planner.reports.html.words import listing, percent, significant
 from fatigue_planner.reports.results.gallery import Gallery
 from fatigue_planner.statistics.rows import cells_of, records
+
+# The joint at the near end of each body, where its load is drawn.
+JOINT_OF = {joint.child: joint.name for joint in JOINTS}
 
 
 def draw_returns(gallery: Gallery, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
@@ -79,24 +83,23 @@ def draw_reactions(
 def _heaviest_joints(table: pd.DataFrame) -> str:
     joints = table.dropna(subset="share_of_maximum")
     rows = joints.loc[joints.groupby(["action", "preference"], sort=False)["share_of_maximum"].idxmax()]
-    return _loads(rows, "landmark")
+    return _loads(rows.assign(place=[words(JOINT_OF[landmark]) for landmark in rows["landmark"]]))
 
 
 def _heaviest_entries(table: pd.DataFrame) -> str:
     rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
-    return _loads(rows, "entry")
+    return _loads(rows.assign(place=rows["entry"].map(entry_label)))
 
 
 def _peaks(table: pd.DataFrame) -> str:
     rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
-    return "the peaks are: " + _loads(rows, "entry")
+    return "the peaks are: " + _loads(rows.assign(place=rows["entry"].map(entry_label)))
 
 
-def _loads(rows: pd.DataFrame, column: str) -> str:
+def _loads(rows: pd.DataFrame) -> str:
     shown = rows.head(FEW)
     listed = [
-        f"{row['action']}/{row['preference']} {percent(row['share_of_maximum'], 0)} of the strength at "
-        f"{words(row[column])}"
+        f"{row['action']}/{row['preference']} {percent(row['share_of_maximum'], 0)} of the strength at {row['place']}"
         for row in records(shown)
     ]
     more = len(rows) - len(shown)

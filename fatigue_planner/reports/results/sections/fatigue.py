@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fatigue_planner.figures.fatigue_course import fatigue_figure, fatigue_table, most_tired
+from fatigue_planner.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Section
 from fatigue_planner.reports.html.words import listing, percent
@@ -21,15 +21,19 @@ def fatigue_section(material: Material, gallery: Gallery) -> Section:
     table = fatigue_table(fatigue)
     caption = (
         f"Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints, mean over the "
-        f"runs of {longest} cycles; the groups that end up most tired. The table holds all groups."
+        f"runs of {longest} cycles and the last {SMOOTHED_CYCLES} cycles, for the groups that end up most tired. The "
+        "data are of all groups and single cycles."
     )
     last = table[table["cycle"] == longest]
     sentences = []
     for group in most_tired(table):
         mean = last[last["joint_group"] == group].groupby("policy", sort=False)["highest_fatigue"].mean()
+        low, high = percent(mean.min(), 0), percent(mean.max(), 0)
         sentences.append(
-            f"{words(group)} ends between {percent(mean.min(), 0)} ({words(str(mean.idxmin()))}) and "
-            f"{percent(mean.max(), 0)} ({words(str(mean.idxmax()))})"
+            f"{words(group)} ends at {high} whatever the policy"
+            if low == high
+            else f"{words(group)} ends between {low} ({words(str(mean.idxmin()))}) and {high} "
+            f"({words(str(mean.idxmax()))})"
         )
     alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
     return Section(

@@ -6,7 +6,7 @@ from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Points
 from fatigue_planner.reports.html.words import listing, percent, percent_range
 from fatigue_planner.reports.results.material import Material
-from fatigue_planner.statistics.contrast import Contrast, Verdict, contrast_of
+from fatigue_planner.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
 from fatigue_planner.statistics.rows import cells_of, records
 
 
@@ -39,16 +39,13 @@ def _against_the_anchor(material: Material) -> list[str]:
     level, sentences = material.experiment.statistics.significance_level, []
     for condition, n_cycles, cell in cells_of(material.comparison):
         others = [row["policy"] for row in records(cell) if row["policy"] != material.anchor]
-        if n_cycles != material.longest or not others:
+        pair = (condition, n_cycles, others[0], material.anchor) if others else None
+        if n_cycles != material.longest or pair is None or not is_compared(material.contrasts, *pair):
             continue
-        known = material.contrasts[(material.contrasts["condition"] == condition)]
-        pairs = set(zip(known["first"], known["second"], strict=True))
-        if not {(others[0], material.anchor), (material.anchor, others[0])} & pairs:
-            continue
-        found = contrast_of(material.contrasts, condition, n_cycles, others[0], material.anchor)
+        found = contrast_of(material.contrasts, *pair)
         sentences.append(
-            f"{words(condition)}, {n_cycles} cycles: the best besides `{material.anchor}` is `{others[0]}`; its cost is "
-            f"{_difference(found)} ({_words(found, level)})."
+            f"{words(condition)}, {n_cycles} cycles: the best besides `{material.anchor}` is `{others[0]}`; its cost "
+            f"is {_difference(found)} ({_words(found, level)})."
         )
     return sentences
 

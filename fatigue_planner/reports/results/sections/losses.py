@@ -29,13 +29,14 @@ def losses_section(material: Material, gallery: Gallery) -> Section:
 def _regret(material: Material, gallery: Gallery) -> list[Block]:
     table = material.regret
     assert table is not None
-    references = {
-        words(condition): describe(ReferenceSettings.model_validate(settings))
-        for condition, settings in material.results.note["references"].items()
-    }
+    judges = material.results.note["references"]
+    references = [
+        f"{words(condition)}: {describe(ReferenceSettings.model_validate(judges[condition]))}"
+        for condition in material.experiment.benchmark.conditions
+    ]
     intro = (
         "Every decision of every run is judged by a reference that looks ahead exactly: "
-        + listing([f"{condition}: {words_of}" for condition, words_of in references.items()])
+        + "; ".join(references)
         + ". Regret is the reference's value of the best action minus that of the action taken, summed over a run with "
         "the task's discount. The reference, like the policies, plans for a task without end."
     )

@@ -9,8 +9,7 @@ import pandas as pd
 from fatigue_planner.experiment.resolve import cycle_profiles
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.figures.postures import FEW
-from fatigue_planner.figures.style import words
-from fatigue_planner.figures.torques import torque_table
+from fatigue_planner.figures.torques import entry_label, torque_table
 from fatigue_planner.reactions.reaction import ReactionName
 from fatigue_planner.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.reports.html.words import percent, significant
@@ -54,7 +53,12 @@ def cycle_map_table(material: Material) -> pd.DataFrame:
 def _torques(material: Material) -> Table:
     table = torque_table(material.reactions, material.fatigue)
     rows = [
-        [_reaction(row), words(row["entry"]), significant(row["mean_torque_nm"]), percent(row["share_of_maximum"], 0)]
+        [
+            _reaction(row),
+            entry_label(row["entry"]),
+            significant(row["mean_torque_nm"]),
+            percent(row["share_of_maximum"], 0),
+        ]
         for _, group in table.groupby(list(ReactionName._fields), sort=False)
         for row in records(group.nlargest(LARGEST, "share_of_maximum"))
     ]
@@ -65,7 +69,7 @@ def _torques(material: Material) -> Table:
 def _maps(maps: pd.DataFrame, file: str) -> Table:
     numbers = ("gain", "offset", "fatigue_if_repeated")
     rows = [
-        [_reaction(row), words(row["entry"]), *(significant(row[number]) for number in numbers)]
+        [_reaction(row), entry_label(row["entry"]), *(significant(row[number]) for number in numbers)]
         for _, group in maps.groupby(list(ReactionName._fields), sort=False)
         for row in records(group.nlargest(LARGEST, "offset"))
     ]

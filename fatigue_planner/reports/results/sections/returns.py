@@ -36,9 +36,10 @@ def _extremes(table: pd.DataFrame) -> str:
     for condition, n_cycles, cell in cells_of(table):
         ends = records(cell.sort_values("extra_cost_share", kind="stable").iloc[[0, -1]])
         named = [
-            f"{words(end['policy'])} {percent(end['extra_cost_share'])} "
-            f"({percent_range(end['low_share'], end['high_share'])})"
+            f"{words(end['policy'])} {percent(end['extra_cost_share'])}"
+            + (f" ({percent_range(low, high)})" if low < high else "")
             for end in ends
+            for low, high in [(end["low_share"], end["high_share"])]
         ]
         sentences.append(f"{words(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
     return "; ".join(sentences) + "."
