@@ -7,6 +7,7 @@ import typer
 from fatigue_planner import __version__
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.cache import app as cache
+from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
 from fatigue_planner.cli.options import EXIT_CODES
@@ -26,6 +27,7 @@ app.command(epilog=EXIT_CODES)(simulate)
 app.command(epilog=EXIT_CODES)(benchmark)
 app.command(epilog=EXIT_CODES)(figures)
 app.command(epilog=EXIT_CODES)(report)
+app.command(epilog=EXIT_CODES)(compare)
 app.command(epilog=EXIT_CODES)(view)
 app.add_typer(human, name="human", epilog=EXIT_CODES)
 app.add_typer(cache, name="cache", epilog=EXIT_CODES)

@@ -1,6 +1,6 @@
 """The published tables of an experiment, checked against its settings, row by row, before anything is made of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,7 +52,7 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     trials = read_table(folder, TRIALS_FILE, command)
     note = read_note(folder, "benchmark", command)
     _check_origin(note, experiment, folder / TRIALS_FILE, command)
-    _check_rows(trials, expected_keys(experiment, trials), folder / TRIALS_FILE, command)
+    _check_rows(trials, _expected_keys(experiment.plain()["benchmark"], trials), folder / TRIALS_FILE, command)
     actions = read_table(folder, ACTIONS_FILE, command)
     _check_rows(actions, trials[KEY], folder / ACTIONS_FILE, command)
     regret = read_table(folder, REGRET_FILE, command) if (folder / REGRET_FILE).exists() else None
@@ -65,16 +65,28 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     return Results(trials, actions, regret, bounds, note)
 
 
-def expected_keys(experiment: Experiment, trials: pd.DataFrame) -> pd.DataFrame:
-    """The keys a table of the experiment's grid must have; the table says which cells are deterministic."""
-    grid = experiment.benchmark
+def load_folder(folder: Path) -> tuple[dict[str, Any], pd.DataFrame]:
+    """What the manifest of a results folder says of its tables, and its trials, whatever the experiment was.
+
+    Raises as `load_results`.
+    """
+    command = "fatplan benchmark"
+    trials = read_table(folder, TRIALS_FILE, command)
+    note = read_note(folder, "benchmark", command)
+    _check_rows(trials, _expected_keys(note["experiment"]["benchmark"], trials), folder / TRIALS_FILE, command)
+    check_intact(folder, note, TRIALS_FILE, command)
+    return note, trials
+
+
+def _expected_keys(grid: Mapping[str, Any], trials: pd.DataFrame) -> pd.DataFrame:
+    """The keys a table of a grid must have; the table says which cells are deterministic."""
     same = trials.groupby(KEY[:3])[SAME].all()
     rows = [
         (condition, n_cycles, policy, trial)
-        for condition in grid.conditions
-        for n_cycles in grid.n_cycles
-        for policy in grid.policies
-        for trial in range(1 if same.get((condition, n_cycles, policy), False) else grid.trials)
+        for condition in grid["conditions"]
+        for n_cycles in grid["n_cycles"]
+        for policy in grid["policies"]
+        for trial in range(1 if same.get((condition, n_cycles, policy), False) else grid["trials"])
     ]
     return pd.DataFrame(rows, columns=KEY)
 
