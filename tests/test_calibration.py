@@ -108,7 +108,7 @@ def test_the_detectable_difference_is_found_in_four_of_five_tables(tables: int) 
 
 @few_and_all
 def test_the_error_of_a_family_stays_below_the_level(tables: int) -> None:
-    """Six comparisons each: Holm rejects any in at most 6.6 % of 2,000 families (false alarm 1 in 2,000); without it,
+    """Six comparisons each: Holm rejects any in at most 6.6 % of 2,000 families (false alarm 1 in 1,400); without it,
     in more than 12 %.
     """
     rng = np.random.default_rng(6)

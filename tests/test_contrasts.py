@@ -367,6 +367,8 @@ def test_differences_that_do_not_vary_have_no_test() -> None:
         assert found.note == "n/a (constant differences)" and all_nan(found, PAIRED)
         assert found.student_p > 0.05 and found.verdict(0.05) == "undetermined"
         assert found.improvement == (0.5 if b is a else 1.0)
+    almost = only(contrasts(trial_table({"a": a, "b": a * (1 + 1e-15)}), SETTINGS, 1))
+    assert almost.improvement == 0.5 and almost.difference == 0
     flat = only(contrasts(trial_table({"a": [-1.0] * 5, "b": [-2.0] * 5}), SETTINGS, 1))
     assert flat.note == "n/a (constant differences)" and all_nan(flat, P_VALUES)
 
