@@ -82,7 +82,7 @@ class Measurements:
             key: Sample(float(mean), float(deviation), int(size), bool(same))
             for key, mean, deviation, size, same in table.itertuples(name=None)
         }
-        self._contrasts = {place: rows for place, rows in contrasts.groupby(["condition", "n_cycles"], sort=False)}
+        self._contrasts = dict(iter(contrasts.groupby(["condition", "n_cycles"], sort=False)))
         keys = zip(*(contrasts[name] for name in ("condition", "n_cycles", "first", "second")), strict=True)
         self._compared = {(condition, n_cycles, frozenset(pair)) for condition, n_cycles, *pair in keys}
         self._found: dict[Pair, Comparison | str] = {}

@@ -33,6 +33,8 @@ from fatigue_planner.planners.reference import describe
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.statistics.contrast_text import contrast_text
+from fatigue_planner.statistics.contrasts import CONTRASTS_FILE, contrasts
 from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
 from fatigue_planner.statistics.summary import summary_text
@@ -78,8 +80,11 @@ def benchmark(
     publish_table(folder, table)
     comparison = comparison_table(table, settings.statistics.significance_level)
     publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
+    contrasted = contrasts(table, settings.statistics, grid.benchmark.seed)
+    publish_text(folder / CONTRASTS_FILE, contrasted.to_csv(index=False, lineterminator="\n"))
     summary = summary_text(comparison, settings.statistics.significance_level)
-    files = [TRIALS_FILE, COMPARISON_FILE, SUMMARY_FILE]
+    summary += "\n" + contrast_text(contrasted, settings.statistics)
+    files = [TRIALS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
     if regret:
         summary += "\n" + _regret_summary(grid_cells, table)
         files.append(REGRET_FILE)

@@ -25,7 +25,7 @@ Level = Annotated[float, Field(ge=0, le=1)]
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
     "trials", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest", "summary",
-    "regret", "bounds", "claims",
+    "regret", "bounds", "contrasts", "claims",
 )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-""""A performs as well as B"."""
+"""A performs as well as B."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Judgement

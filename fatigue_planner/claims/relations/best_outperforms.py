@@ -1,4 +1,4 @@
-"""A paper's "our approach outperforms B" where it has several versions: the best of them does."""
+"""Our approach outperforms B, where the approach has several versions: the best of them does."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Answer, Judgement, all_of, any_of

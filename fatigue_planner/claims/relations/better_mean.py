@@ -1,4 +1,4 @@
-""""A, B are better than C, D", "C is followed by A": a ranking of means."""
+"""A and B are better than C and D; A is followed by B: rankings of means."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Judgement

@@ -1,4 +1,4 @@
-""""A, B and C have equivalent (or close) performance", "A is shortly behind B"."""
+"""A, B and C have equivalent, or close, performance; A is shortly behind B."""
 
 from collections.abc import Sequence
 

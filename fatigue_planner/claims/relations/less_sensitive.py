@@ -1,4 +1,4 @@
-"""A paper's "A is less sensitive to a setting than B": two settings of A differ less than the same two of B."""
+"""A is less sensitive to a setting than B: two settings of A differ less than the same two of B."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-""""A shows low performance"."""
+"""A shows low performance."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""A paper's "no one best version can be concluded on"."""
+"""No one best version can be concluded on."""
 
 from itertools import permutations
 

@@ -1,4 +1,4 @@
-""""A, B and C are not significantly different from one another"."""
+"""A, B and C are not significantly different from one another."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Judgement

@@ -1,4 +1,4 @@
-""""A, B and C have the same mean"."""
+"""A, B and C have the same mean."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Judgement

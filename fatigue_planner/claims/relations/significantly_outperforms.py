@@ -1,4 +1,4 @@
-""""A, B significantly outperform C, D"."""
+"""A and B significantly outperform C and D."""
 
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Judgement
