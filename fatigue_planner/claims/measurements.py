@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from fatigue_planner.statistics.contrast import Contrast, contrast_of
+from fatigue_planner.statistics.contrast import Contrast
 
 
 @dataclass(frozen=True)
@@ -82,9 +82,9 @@ class Measurements:
             key: Sample(float(mean), float(deviation), int(size), bool(same))
             for key, mean, deviation, size, same in table.itertuples(name=None)
         }
-        self._contrasts = dict(iter(contrasts.groupby(["condition", "n_cycles"], sort=False)))
-        keys = zip(*(contrasts[name] for name in ("condition", "n_cycles", "first", "second")), strict=True)
-        self._compared = {(condition, n_cycles, frozenset(pair)) for condition, n_cycles, *pair in keys}
+        rows = [Contrast(**{str(name): value for name, value in row.items()}) for row in contrasts.to_dict("records")]
+        # reversed: as in `contrast_of`, a pair of several families is taken from the first one
+        self._contrasts = {(one.condition, one.n_cycles, one.first, one.second): one for one in reversed(rows)}
         self._found: dict[Pair, Comparison | str] = {}
 
     def compare(self, pair: Pair) -> Comparison | str:
@@ -102,7 +102,10 @@ class Measurements:
         first, second = (self.sample(*place, policy) for policy in (pair.first, pair.second))
         if first is None or second is None:
             return f"{pair.first if first is None else pair.second} was not run"
-        if (*place, frozenset((pair.first, pair.second))) not in self._compared:
-            return "the two are in no family of the experiment's statistics"
-        contrast = contrast_of(self._contrasts[place], *place, pair.first, pair.second)
+        contrast = self._contrasts.get((*place, pair.first, pair.second))
+        if contrast is None:
+            opposite = self._contrasts.get((*place, pair.second, pair.first))
+            if opposite is None:
+                return "the two are in no family of the experiment's statistics"
+            contrast = opposite.flipped()
         return Comparison(pair, first, second, contrast)
