@@ -43,7 +43,7 @@ def evaluate(
     few = settings.model_copy(update={"resamples": FEWEST_RESAMPLES})
     measurements = Measurements(trials, contrasts(trials, few, seed))
     findings = _findings(claims, measurements, settings)
-    rooms = None if bounds is None else Rooms(bounds, measurements, settings.significance_level)
+    rooms = None if bounds is None else Rooms(bounds, measurements, settings)
     return Evaluation(claims_table(claims, findings, measurements, rooms), detail_table(findings, measurements, rooms))
 
 

@@ -57,14 +57,11 @@ class Comparison:
 
     def numbers(self) -> str:
         """The difference in words, in % of the mean cost, with its interval where chance has a part in it."""
-        pair, contrast = self.pair, self.contrast
+        contrast = self.contrast
         interval = ""
         if not self.exact and not math.isnan(contrast.t_low):
             interval = f" [{100 * self.share(contrast.t_low):+.2f}, {100 * self.share(contrast.t_high):+.2f}]"
-        return (
-            f"{pair.condition}, {pair.n_cycles} cycles: {pair.first} - {pair.second} "
-            f"{100 * self.share(self.difference):+.2f} %{interval}"
-        )
+        return f"{self.pair.first} - {self.pair.second} {100 * self.share(self.difference):+.2f} %{interval}"
 
 
 class Measurements:

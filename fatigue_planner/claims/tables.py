@@ -5,15 +5,15 @@ from collections.abc import Mapping
 import pandas as pd
 
 from fatigue_planner.claims.answers import Answer
-from fatigue_planner.claims.measurements import Measurements
+from fatigue_planner.claims.measurements import Comparison, Measurements
 from fatigue_planner.claims.relations.registry import RELATIONS
-from fatigue_planner.claims.relations.relation import Finding, Part, told
+from fatigue_planner.claims.relations.relation import Finding, Part
 from fatigue_planner.claims.room import Rooms
 from fatigue_planner.claims.schema import Claim
 
 CLAIMS_FILE = "claims.csv"
 DETAIL_FILE = "claims_detail.csv"
-MOST_NUMBERS = 3  # comparisons whose numbers stand beside a claim
+MOST_SHOWN = 3  # comparisons whose numbers stand beside a claim
 
 CONTRAST_COLUMNS = [
     "difference", "relative_difference", "t_low", "t_high", "student_p", "paired_p", "holm_p", "equivalence_p"
@@ -45,7 +45,7 @@ def claims_table(
                 "paper_reason": paper.reason,
                 "verdict": modern.answer.verdict,
                 "reason": modern.reason,
-                "numbers": _numbers(modern.decisive, measurements),
+                "numbers": _numbers(claim, modern.decisive, measurements),
                 "room_to_win": _rooms_told(unshown, rooms),
             }
         )
@@ -74,23 +74,28 @@ def detail_table(findings: Findings, measurements: Measurements, rooms: Rooms | 
     return pd.DataFrame(rows)
 
 
-def _numbers(decisive: tuple[Part, ...], measurements: Measurements) -> str:
-    found = [measurements.compare(part.pair) for part in decisive]
-    told_numbers = list(dict.fromkeys(one.numbers() for one in found if not isinstance(one, str)))
-    more = len(told_numbers) - MOST_NUMBERS
-    return "; ".join(told_numbers[:MOST_NUMBERS]) + (f"; and {more} more" if more > 0 else "")
+def _numbers(claim: Claim, decisive: tuple[Part, ...], measurements: Measurements) -> str:
+    several = len(claim.places()) > 1
+    shown = []
+    for part in decisive[:MOST_SHOWN]:
+        comparison = measurements.compare(part.pair)
+        if isinstance(comparison, Comparison):
+            place = f"{part.pair.condition}, {part.pair.n_cycles} cycles: " if several else ""
+            shown.append(place + comparison.numbers())
+    more = len(decisive) - MOST_SHOWN
+    return "; ".join(shown) + (f"; and {more} more" if shown and more > 0 else "")
 
 
 def _rooms_told(unshown: tuple[Part, ...], rooms: Rooms | None) -> str:
-    """Of the strongest comparison; and in how many of all no policy could have won significantly."""
+    """Over the policies of the strongest comparisons, each once in every condition and length."""
     if not unshown:
         return ""
     if rooms is None:
         return "not known: no bounds.csv"
-    found = [(part, room) for part in unshown if (room := rooms.over_second(part.pair))]
-    if not found:
-        return "not known: no bound for these conditions"
-    part, room = found[0]
-    text = f"{told(part.pair)}: {room.told(part.pair.second)}"
-    hopeless = sum(room.largest < room.needed for _, room in found)
-    return text + (f"; so in {hopeless} of {len(found)}" if hopeless and len(found) > 1 else "")
+    found: dict[tuple[str, int, str], str] = {}
+    for part in unshown:
+        pair, room = part.pair, rooms.over_second(part.pair)
+        if room is not None:
+            place = f"{pair.condition}, {pair.n_cycles} cycles"
+            found.setdefault((pair.condition, pair.n_cycles, pair.second), f"{place}: {room.told(pair.second)}")
+    return ". ".join(list(found.values())[:MOST_SHOWN]) or "not known: no bound for these conditions"

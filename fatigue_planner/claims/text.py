@@ -23,15 +23,19 @@ def _block(row: Mapping[Hashable, Any], width: int) -> str:
         f"{row['relation']}: {_listed(row['policies'])}{_others(row)}",
         f"Why: {row['reason']}.",
         f"Numbers (difference of the returns in % of the cost): {row['numbers']}." if row["numbers"] else "",
-        f"Paper's own test: {row['paper_reason']}.",
+        f"Paper's own test: {row['paper_reason']}." if row["paper_reason"] != row["reason"] else "",
         f"Room to win: {row['room_to_win']}." if row["room_to_win"] else "",
     ]
-    wrapped = [textwrap.fill(title + row["paper_verdict"], width, subsequent_indent=INDENT, break_on_hyphens=False)]
-    for line in filter(None, lines):
-        wrapped.append(
-            textwrap.fill(line, width, initial_indent=INDENT, subsequent_indent=INDENT, break_on_hyphens=False)
-        )
+    wrapped = [_wrap(title + row["paper_verdict"], width, "")]
+    wrapped += [_wrap(line, width, INDENT) for line in lines if line]
     return "\n".join(wrapped)
+
+
+def _wrap(line: str, width: int, indent: str) -> str:
+    together = line.replace(" %", "\u00a0%")  # a no-break space, so that no number loses its unit
+    return textwrap.fill(
+        together, width, initial_indent=indent, subsequent_indent=INDENT, break_on_hyphens=False, break_long_words=False
+    )
 
 
 def _others(row: Mapping[Hashable, Any]) -> str:

@@ -64,8 +64,8 @@ class Analysis(ABC):
         """Whether the two are the same within the margin where no test is made."""
         size = abs(comparison.share(comparison.difference))
         if size < self.margin:
-            return Judgement(Answer.HOLDS, f"the same within {self.margin:.3g} of the cost", size)
-        return Judgement(Answer.FAILS, f"more than {self.margin:.3g} of the cost apart", size)
+            return Judgement(Answer.HOLDS, f"the same within {100 * self.margin:.3g} % of the cost", size)
+        return Judgement(Answer.FAILS, f"more than {100 * self.margin:.3g} % of the cost apart", size)
 
     def as_good_by_margin(self, comparison: Comparison) -> Judgement:
         """Whether the first is at least as good within the margin where no test is made."""

@@ -123,7 +123,8 @@ def counted(decisive: Sequence[Part], total: int) -> str:
     answer = decisive[0].judgement.answer
     if answer is Answer.HOLDS:
         return f"all hold; the closest is {strongest}" if total > 1 else strongest
-    words = "fail" if answer is Answer.FAILS else "are undetermined"
+    one = len(decisive) == 1
+    words = f"{'is' if one else 'are'} undetermined" if answer is Answer.OPEN else "fails" if one else "fail"
     return f"{len(decisive)} of {total} {words}; {strongest}" if total > 1 else strongest
 
 
