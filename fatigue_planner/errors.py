@@ -25,6 +25,10 @@ class ExperimentError(FatplanError):
     """An experiment file is missing, unreadable, or says something that is not allowed."""
 
 
+class ClaimsError(FatplanError):
+    """A file of claims is missing, unreadable, or says something that is not allowed."""
+
+
 class DataFileError(FatplanError):
     """A file with data of the human body is missing, incomplete or inconsistent."""
 

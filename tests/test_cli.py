@@ -305,7 +305,7 @@ def test_help_and_version() -> None:
 
     from fatigue_planner.cli.main import app
 
-    for command in ([], ["simulate"], ["benchmark"], ["figures"], ["view"]):
+    for command in ([], ["simulate"], ["benchmark"], ["claims"], ["figures"], ["view"]):
         done = CliRunner().invoke(app, [*command, "--help"])
         assert done.exit_code == 0 and "Exit codes:" in done.output
     assert fatplan("--version").stdout.startswith("fatplan ")
@@ -328,3 +328,36 @@ def test_cache_verify_checks_everything_again(cache_folder: Path, tmp_path: Path
     assert done.returncode == 4 and "average_man/low/arm" in done.stdout and "does not match its hash" in done.stdout
     assert (tmp_path / library.name).exists()  # nothing is changed
     assert "no reaction library there" in refused(2, "cache", "verify", "--cache", tmp_path / "none")
+
+
+def test_claims_are_judged_from_the_published_tables(results: Path) -> None:
+    claims = results.parent / "paper_claims.yaml"
+    shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
+    before = json.loads((results / "manifest.json").read_text())
+    done = fatplan("claims", claims, "--results", results.parent)
+    assert done.returncode == 0, done.stderr
+    table = pd.read_csv(results / "claims.csv", keep_default_na=False)
+    verdicts = {name: (table["verdict"] == name).sum() for name in ("reproduced", "not reproduced", "undetermined")}
+    assert sum(verdicts.values()) == len(table) >= 22
+    counts = ", ".join(f"{count} {name}" for name, count in verdicts.items())
+    assert f"{len(table)} claims: {counts}." in done.stdout
+    assert f"--results {results.parent} --bound` computes it" in done.stdout
+    manifest = json.loads((results / "manifest.json").read_text())
+    assert set(manifest.pop("claims")["sha256"]) == {"claims.csv", "claims_detail.csv"} and manifest == before
+    files = [results / name for name in ("claims.csv", "claims_detail.csv", "manifest.json")]
+    written = [file.read_bytes() for file in files]
+    assert fatplan("claims", claims, "--results", results.parent).stdout == done.stdout
+    assert [file.read_bytes() for file in files] == written
+
+
+def test_claims_refuse_tables_that_are_not_the_experiments(results: Path, tmp_path: Path) -> None:
+    claims = tmp_path / "claims.yaml"
+    shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
+    experiment = shutil.copy(results.parent / "paper.yaml", tmp_path)
+    message = refused(2, "claims", claims, "--results", tmp_path / "none")
+    assert f"Run `fatplan benchmark {experiment} --results {tmp_path / 'none'}` first" in message
+    (tmp_path / "paper.yaml").write_text(
+        (tmp_path / "paper.yaml").read_text().replace("discount: 0.95", "discount: 0.9")
+    )
+    assert "was made with other settings (discount)" in refused(2, "claims", claims, "--results", results.parent)
+    assert "No such file" in refused(2, "claims", tmp_path / "none.yaml")

@@ -7,6 +7,7 @@ import typer
 from fatigue_planner import __version__
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.cache import app as cache
+from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
@@ -25,6 +26,7 @@ app = typer.Typer(
 )
 app.command(epilog=EXIT_CODES)(simulate)
 app.command(epilog=EXIT_CODES)(benchmark)
+app.command(epilog=EXIT_CODES)(claims)
 app.command(epilog=EXIT_CODES)(figures)
 app.command(epilog=EXIT_CODES)(report)
 app.command(epilog=EXIT_CODES)(compare)

@@ -27,8 +27,7 @@ def load_experiment(path: Path) -> Experiment:
     try:
         experiment = Experiment.model_validate(expand_grids(content), strict=True)
     except ValidationError as error:
-        faults = dict.fromkeys(_describe(fault) for fault in _telling(error.errors()))
-        raise ExperimentError("\n".join(f"{path}: {fault}" for fault in faults)) from error
+        raise ExperimentError("\n".join(f"{path}: {fault}" for fault in faults_of(error))) from error
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
     try:
@@ -36,6 +35,11 @@ def load_experiment(path: Path) -> Experiment:
     except DataFileError as error:
         raise ExperimentError(f"{path}: {error}") from error
     return experiment
+
+
+def faults_of(error: ValidationError) -> list[str]:
+    """What is wrong with a file of settings, one text per fault: place, value, what is allowed."""
+    return list(dict.fromkeys(_describe(fault) for fault in _telling(error.errors())))
 
 
 # pydantic's words for what a YAML file should have.

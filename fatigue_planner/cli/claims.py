@@ -1,0 +1,51 @@
+"""`fatplan claims`: a paper's statements, one by one, against the runs of a benchmark."""
+
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE
+from fatigue_planner.benchmark.table import TRIALS_FILE
+from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
+from fatigue_planner.experiment.results import load_results
+from fatigue_planner.files import digest_of_files, publish_text
+from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
+
+DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
+
+
+def claims(
+    claims: Annotated[Path, typer.Argument(metavar="CLAIMS", help="The file of claims (YAML).")] = DEFAULT_CLAIMS,
+    results: ResultsFolder = DEFAULT_RESULTS,
+) -> None:
+    """Judge every claim of a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reason.
+
+    Needs the results of `fatplan benchmark` of the experiment the file names, its whole grid; with those of
+    `--bound` it also says how much any policy could win. Beside the verdict stands that of the paper's own test.
+    """
+    from fatigue_planner.claims.evaluation import evaluate  # noqa: PLC0415 - with its layers, takes half a second
+    from fatigue_planner.claims.loader import load_claims  # noqa: PLC0415
+    from fatigue_planner.claims.tables import CLAIMS_FILE, DETAIL_FILE  # noqa: PLC0415
+    from fatigue_planner.claims.text import claims_text  # noqa: PLC0415
+
+    loaded = load_claims(claims)
+    experiment = loaded.experiment
+    folder = results / experiment.name
+    command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results)
+    tables = load_results(experiment, folder, command)
+    found = evaluate(loaded.claims, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
+    publish_text(folder / CLAIMS_FILE, found.claims.to_csv(index=False, lineterminator="\n"))
+    publish_text(folder / DETAIL_FILE, found.detail.to_csv(index=False, lineterminator="\n"))
+    read = [folder / name for name in (TRIALS_FILE, *([] if tables.bounds is None else [BOUNDS_FILE]))]
+    configuration = {
+        "claims": {name: claim.plain() for name, claim in loaded.claims.items()},
+        "statistics": experiment.statistics.plain(),
+        "tables": digest_of_files(read),
+    }
+    publish_manifest(folder, "claims", configuration, [folder / CLAIMS_FILE, folder / DETAIL_FILE])
+    typer.echo(claims_text(found.claims, shutil.get_terminal_size().columns))
+    if tables.bounds is None:
+        typer.echo(f"How much any policy could win is not known; `{command} --bound` computes it.")
+    typer.echo(f"{folder}: {CLAIMS_FILE}, {DETAIL_FILE}, {MANIFEST_FILE}")
