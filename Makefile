@@ -13,7 +13,7 @@ EXPERIMENT ?= experiments/paper.yaml
 .DEFAULT_GOAL := help
 
 help:
-	@echo "make paper-figures  set up, simulate, run the paper's grid; figures and tables in results/paper"
+	@echo "make paper-figures  set up, simulate, run the paper's grid; report, figures and tables in results/paper"
 	@echo "make test           lint, types and tests (under 5 minutes on 2 cores)"
 	@echo "make test-all       the same with the slow tests"
 	@echo "make bench          measure speed as ratios, also to placo, C++ and pomdp-py (set up in the user's cache)"
@@ -34,8 +34,8 @@ install: $(VENV)/.runtime
 
 paper-figures: $(VENV)/.runtime
 	$(BIN)/fatplan simulate $(EXPERIMENT)
-	$(BIN)/fatplan benchmark $(EXPERIMENT)
-	$(BIN)/fatplan figures $(EXPERIMENT)
+	$(BIN)/fatplan benchmark $(EXPERIMENT) --regret --bound
+	$(BIN)/fatplan report $(EXPERIMENT)
 
 lint: $(VENV)/.development
 	$(BIN)/ruff check .

@@ -3,11 +3,14 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from fatigue_planner.reports.html.blocks import Section
+from fatigue_planner.claims.evaluation import Evaluation, evaluate
+from fatigue_planner.claims.loader import load_claims
+from fatigue_planner.reports.html.blocks import Points, Section
 from fatigue_planner.reports.html.page import page
 from fatigue_planner.reports.results.gallery import Gallery
 from fatigue_planner.reports.results.material import Material
 from fatigue_planner.reports.results.sections.actions import actions_section
+from fatigue_planner.reports.results.sections.claims import claims_section, claims_sentence
 from fatigue_planner.reports.results.sections.fatigue import fatigue_section
 from fatigue_planner.reports.results.sections.findings import findings
 from fatigue_planner.reports.results.sections.losses import losses_section
@@ -20,13 +23,23 @@ REPORT_FILE = "report.html"
 
 
 def report(material: Material, gallery: Gallery, file: Path, commands: Sequence[str]) -> str:
-    """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder."""
+    """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder.
+
+    Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`.
+    """
+    top, claims = [findings(material)], None
+    claims_file = file.with_name(f"{file.stem}_claims.yaml")
+    if claims_file.exists():
+        judged = evaluate_claims(material, claims_file)
+        claims = claims_section(judged, claims_file)
+        top.append(Points([claims_sentence(judged)]))
     sections: list[Section | None] = [
         returns_section(material, gallery),
         losses_section(material, gallery),
         fatigue_section(material, gallery),
         actions_section(material, gallery),
         reactions_section(material, gallery),
+        claims,
         settings_section(file),
         provenance_section(material, list(commands), file),
     ]
@@ -34,6 +47,13 @@ def report(material: Material, gallery: Gallery, file: Path, commands: Sequence[
     return page(
         f"Results of the experiment {material.experiment.name}",
         f"Written by fatplan {version} from {file.name} and the tables beside this page; no number is typed.",
-        [findings(material)],
+        top,
         [section for section in sections if section is not None],
     )
+
+
+def evaluate_claims(material: Material, file: Path) -> Evaluation:
+    """The claims of a file, judged by the tables. Raises ClaimsError."""
+    statistics, seed = material.experiment.statistics, material.experiment.benchmark.seed
+    tables = material.results
+    return evaluate(load_claims(file).claims, tables.trials, statistics, seed, tables.bounds)

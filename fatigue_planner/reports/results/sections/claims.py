@@ -1,0 +1,43 @@
+"""A paper's claims, one by one."""
+
+from pathlib import Path
+
+from fatigue_planner.claims.evaluation import Evaluation
+from fatigue_planner.claims.tables import CLAIMS_FILE
+from fatigue_planner.reports.html.blocks import Section, Table, Text
+from fatigue_planner.reports.html.words import listing
+from fatigue_planner.statistics.rows import records
+
+VERDICTS = ("reproduced", "not reproduced", "undetermined")
+
+
+def claims_section(evaluation: Evaluation, file: Path) -> Section:
+    """Every claim with its verdicts; why, and how far any policy could win, where it is not reproduced."""
+    rows = []
+    for claim in records(evaluation.claims):
+        asked = claim["relation"].replace("_", " ")
+        reason = "" if claim["verdict"] == "reproduced" else claim["reason"]
+        told = [text.rstrip(".") for text in (reason, claim["numbers"], claim["room_to_win"]) if text]
+        quote = f"“{claim['quote']}”" + (f" (read as: {claim['interpretation']})" if claim["interpretation"] else "")
+        rows.append(
+            [claim["place"], quote, asked, claim["verdict"], claim["paper_verdict"], ". ".join([*told, ""]).rstrip()]
+        )
+    caption = (
+        f"The claims of `{file.name}`. Verdict: by the paired and corrected analysis, equality by a test of "
+        "equivalence; beside it that of the paper's own test. Numbers: difference of the returns in % of the cost."
+    )
+    header = ["section", "claim", "asks", "verdict", "paper's test", "numbers, and why not"]
+    return Section(
+        "The paper's claims",
+        [Text(claims_sentence(evaluation)), Table(caption, header, rows, CLAIMS_FILE)],
+    )
+
+
+def claims_sentence(evaluation: Evaluation) -> str:
+    """How many claims have which verdict, by either analysis."""
+    table = evaluation.claims
+    modern, papers = (
+        listing([f"{(table[column] == verdict).sum()} {verdict}" for verdict in VERDICTS])
+        for column in ("verdict", "paper_verdict")
+    )
+    return f"Of {len(table)} claims of the paper, {modern}; by the paper's own test of the same runs, {papers}."
