@@ -5,7 +5,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
-from scipy.special import nctdtr, stdtrit
+from scipy.special import stdtrit
+from scipy.stats import nct
 
 from fatigue_planner.statistics.intervals import standard_error
 
@@ -23,7 +24,8 @@ def detectable_difference(differences: NDArray[np.float64], level: float) -> flo
 def power(noncentrality: float, n: int, level: float) -> float:
     """The probability of rejecting when the true mean is so many standard errors from 0 (noncentral t)."""
     critical = float(stdtrit(n - 1, 1 - level / 2))
-    return float(1 - nctdtr(n - 1, noncentrality, critical) + nctdtr(n - 1, noncentrality, -critical))
+    # the lower tail as the upper one of -t: the distribution function itself is NaN far out
+    return float(nct.sf(critical, n - 1, noncentrality) + nct.sf(critical, n - 1, -noncentrality))
 
 
 @cache
