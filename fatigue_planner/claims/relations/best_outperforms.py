@@ -3,15 +3,10 @@
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Answer, Judgement, all_of, any_of
 from fatigue_planner.claims.measurements import Comparison, Pair
-from fatigue_planner.claims.relations.relation import (
-    Finding,
-    Part,
-    Relation,
-    counted,
-    judged,
-    strongest_first,
-)
+from fatigue_planner.claims.relations.relation import Finding, Part, Relation, judged, strongest_first, told
 from fatigue_planner.claims.schema import Claim
+
+WORDS = {Answer.HOLDS: "one wins", Answer.FAILS: "none wins", Answer.OPEN: "whether one wins is undetermined"}
 
 
 class BestOutperforms(Relation):
@@ -43,7 +38,11 @@ class BestOutperforms(Relation):
             parts += [part for own in of_policies for part in own]
         answer = all_of(answers)
         decisive = strongest_first([part for part, one in zip(nearest, answers, strict=True) if one is answer])
-        return Finding(answer, counted(decisive, len(nearest)), tuple(parts), decisive)
+        strongest = f"{told(decisive[0].pair)}: {decisive[0].judgement.reason}"
+        reason = (
+            f"{WORDS[answer]} in {len(decisive)} of {len(nearest)} conditions and lengths; the nearest, {strongest}"
+        )
+        return Finding(answer, reason, tuple(parts), decisive)
 
 
 def _better(analysis: Analysis, comparison: Comparison) -> Judgement:
