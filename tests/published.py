@@ -1,0 +1,29 @@
+"""Results folders as `fatplan benchmark` leaves them."""
+
+from pathlib import Path
+
+from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.table import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.selection import cells
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.reactions.reaction import Reaction, digests
+
+COMMAND = "fatplan benchmark"
+
+
+def publish(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    grid = cells(experiment, cycle_profiles(experiment, reactions))
+    done, _ = run_grid(grid, folder / "parts", 1, lambda job, n: None)
+    publish_table(folder, trial_table(grid, done), [TRIALS_FILE, ACTIONS_FILE])
+    seal(experiment, folder)
+
+
+def seal(experiment: Experiment, folder: Path) -> None:
+    note = {
+        "experiment": experiment.plain(),
+        "reactions": digests(reaction_requests(experiment)),
+        "seed": experiment.benchmark.seed,
+    }
+    publish_manifest(folder, "benchmark", note, [folder / TRIALS_FILE, folder / ACTIONS_FILE])
