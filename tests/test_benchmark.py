@@ -295,6 +295,6 @@ def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path
     assert all(0 < len(earlier) < parts for earlier in kept)  # every kill came before the end
     for earlier in kept:
         assert all(path.read_bytes() == content for path, content in earlier.items())
-    for name in ("trials.csv", "comparison.csv", "summary.txt", "manifest.json"):
+    for name in ("trials.csv", "comparison.csv", "contrasts.csv", "summary.txt", "manifest.json"):
         (one,), (other,) = undisturbed.rglob(name), disturbed.rglob(name)
         assert one.read_bytes() == other.read_bytes(), name

@@ -77,6 +77,16 @@ def test_benchmark_writes_the_whole_grid(results: Path) -> None:
     assert "one deterministic run" in (results / "summary.txt").read_text()
 
 
+def test_benchmark_contrasts_every_pair_of_every_family(results: Path) -> None:
+    """Three families of 21 pairs in three lengths; of an expert's, 15 pairs are deterministic."""
+    table = pd.read_csv(results / "contrasts.csv")
+    assert list(table.groupby("family", sort=False).size()) == [63, 63, 63]
+    assert table["note"].str.contains("deterministic").sum() == 45
+    assert table["holm_p"].notna().sum() == table["paired_p"].notna().sum() > 100
+    assert "single_expert: 63 comparisons, 18 tested: " in (results / "summary.txt").read_text()
+    assert "contrasts.csv" in json.loads((results / "manifest.json").read_text())["benchmark"]["sha256"]
+
+
 def test_figures_stand_beside_their_data(results: Path) -> None:
     for name in ("figure5a", "figure5b", "reactions", "torques"):
         assert (results / f"{name}.png").read_bytes().startswith(b"\x89PNG")
