@@ -65,8 +65,9 @@ class Contrast:
 
     @property
     def mean_cost(self) -> float:
-        """The mean of the two policies' mean costs."""
-        return -(self.first_mean + self.second_mean) / 2
+        """The mean of the two policies' mean costs; NaN unless it is positive, since nothing is a share of it then."""
+        cost = -(self.first_mean + self.second_mean) / 2
+        return cost if cost > 0 else nan
 
     def flipped(self) -> Self:
         """The same with first and second exchanged."""

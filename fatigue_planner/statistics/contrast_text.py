@@ -33,13 +33,15 @@ def _family_lines(name: str, family: Sequence[Contrast], level: float) -> Iterat
     verdicts = Counter(contrast.verdict(level) for contrast in tested)
     differ = verdicts[Verdict.BETTER] + verdicts[Verdict.WORSE]
     counts = f"{differ} differ, " + ", ".join(f"{verdicts[one]} {one}" for one in NOT_DIFFERENT)
-    yield f"{name}: {len(family)} comparisons" + (f", {len(tested)} tested: {counts}" if tested else "")
+    number = f"{len(family)} comparison{'s' if len(family) > 1 else ''}"
+    yield f"{name}: {number}" + (f", {len(tested)} tested: {counts}" if tested else "")
     for note, count in Counter(contrast.note for contrast in family if contrast.note).items():
         yield f"  {count} {note}"
     otherwise = [contrast for contrast in tested if (contrast.student_p < level) != (contrast.holm_p < level)]
     otherwise = [contrast for contrast in otherwise if contrast.student_p >= 0]
     if otherwise:
         yield f"  The paper's test (Student's, unpaired, not corrected) says otherwise of {len(otherwise)}:"
+        yield f"  (the better mean first; its gain as a share of the cost with its {100 * (1 - level):g} % interval)"
     for contrast in otherwise[:MOST_LISTED]:
         yield f"    {_sentence(contrast if contrast.difference > 0 else contrast.flipped(), level)}"
     if len(otherwise) > MOST_LISTED:

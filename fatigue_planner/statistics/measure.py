@@ -1,7 +1,6 @@
 """All statistics of one comparison. Loads scipy.stats, which takes most of a second."""
 
 from dataclasses import replace
-from math import nan
 
 import numpy as np
 
@@ -31,17 +30,17 @@ def measure(comparison: Comparison, pairs: Pairs, settings: StatisticsSettings, 
     empty = Contrast(**vars(comparison))
     if pairs.fault:
         return replace(empty, note=f"n/a ({pairs.fault})")
-    means = float(pairs.first.mean()), float(pairs.second.mean())
-    cost = -(means[0] + means[1]) / 2
-    difference = float(pairs.differences.mean())
     contrast = replace(
         empty,
         trials=len(pairs.first),
-        first_mean=means[0],
-        second_mean=means[1],
-        difference=difference,
-        relative_difference=difference / cost if cost > 0 else nan,
-        equivalence_margin=settings.equivalence_margin * cost if cost > 0 else nan,
+        first_mean=float(pairs.first.mean()),
+        second_mean=float(pairs.second.mean()),
+        difference=float(pairs.differences.mean()),
+    )
+    contrast = replace(
+        contrast,
+        relative_difference=contrast.difference / contrast.mean_cost,
+        equivalence_margin=settings.equivalence_margin * contrast.mean_cost,
     )
     if not any(pairs.drawn):
         return _exact(contrast)
@@ -90,7 +89,6 @@ def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings,
     key: tuple[str | int, ...] = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
     t_low, t_high = t_interval(differences, level)
     bca_low, bca_high = bca_interval(differences, level, resamples, stream(seed, "bootstrap", *key))
-    cost = contrast.mean_cost
     return replace(
         contrast,
         standard_error=standard_error(differences),
@@ -103,5 +101,5 @@ def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings,
         cohen_dz=cohen_dz(differences),
         detectable_difference=detectable_difference(differences, level),
         equivalence_p=equivalence_p(differences, contrast.equivalence_margin),
-        equivalent_within=equivalent_within(differences, level) / cost if cost > 0 else nan,
+        equivalent_within=equivalent_within(differences, level) / contrast.mean_cost,
     )

@@ -51,8 +51,9 @@ class Pairs:
 
     @property
     def differences(self) -> Vector:
-        """first - second (n,)."""
-        return self.first - self.second
+        """first - second (n,), 0 where only rounding tells them apart."""
+        same = np.isclose(self.first, self.second, rtol=ROUNDING, atol=0)
+        return np.where(same, 0.0, self.first - self.second)
 
     def constant(self) -> bool:
         """Whether the difference is the same in all worlds."""
