@@ -269,7 +269,10 @@ def test_neither_the_order_of_rows_nor_the_other_policies_matter(golden: Contras
     again = contrasts(table, SETTINGS, 7)
     pd.testing.assert_frame_equal(again, contrasts(table.reset_index(drop=True), SETTINGS, 7))
     other_seed = contrast_of(contrasts(TABLE, SETTINGS, 8), "novice", 5, "a", "b")
-    assert other_seed.bca_low != golden.bca_low and other_seed.paired_p == golden.paired_p
+    assert other_seed.bca_low != golden.bca_low and other_seed.permutation_p != golden.permutation_p
+    assert other_seed.paired_p == golden.paired_p
+    renumbered = contrasts(TABLE.assign(trial=7919 * TABLE["trial"] + 5), SETTINGS, 7)
+    same(contrast_of(renumbered, "novice", 5, "a", "b"), golden)
 
 
 def names(table: pd.DataFrame) -> list[tuple[str, str, int, str, str]]:
@@ -418,3 +421,15 @@ def test_the_text_counts_verdicts_and_says_where_the_paper_differs() -> None:
     assert "says otherwise of 2:" in text
     assert "novice, 5 cycles: better against a better, 2." in text
     assert "better against like_a better, 2." in text and "worst" not in text
+
+
+def test_the_text_goes_by_the_corrected_p_value() -> None:
+    found = Contrast(
+        "all", "novice", 5, "a", "b", 30, -2.0, -1.9, -0.1, standard_error=0.05, t_low=-0.2, t_high=-0.002,
+        student_p=0.04, paired_p=0.03, holm_p=0.06, equivalence_p=0.9,
+    )  # fmt: skip
+    table = pd.DataFrame([asdict(found)] * 20)
+    text = contrast_text(table, SETTINGS)
+    assert "20 comparisons, 20 tested: 0 differ, 0 equivalent, 20 undetermined" in text
+    assert text.count("b against a undetermined, 5.13 % [0.10, 10.26] (p = 0.06, the paper's 0.04)") == 15
+    assert "and of 5 more, see contrasts.csv" in text
