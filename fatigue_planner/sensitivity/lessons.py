@@ -1,0 +1,124 @@
+"""What one learns from a study, in a few sentences made from its tables."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from fatigue_planner.sensitivity.design import Point
+from fatigue_planner.sensitivity.robustness import reproduced_share
+from fatigue_planner.sensitivity.settings import Headline, StudySettings
+
+DECIDING = 3
+
+
+def lessons(
+    study: StudySettings,
+    points: Sequence[Point],
+    gains: pd.DataFrame,
+    importance: pd.DataFrame,
+    leaders: pd.DataFrame,
+    claims: pd.DataFrame | None,
+    margin: float,
+) -> list[str]:
+    """One sentence per baseline, one each on the settings that decide, the size of gains, and claims or the best policy.
+
+    The tables are those of `gain_table`, `importance_table`, `leader_table` and `claim_table`; `margin` is the share of
+    the cost below which a difference does not matter.
+    """
+    names = {point.name for point in points if point.design == "space filling"}
+    combined = gains[gains["point"].isin(names)]
+    done = combined["point"].nunique()
+    opening = (
+        f"Of {len(names)} combinations of all {len(study.factors)} settings the digital human can perform {done}"
+    )
+    if done == 0:
+        return [f"{opening}, so there is nothing to compare."]
+    sentences = [_on_baseline(study, combined, baseline) for baseline in study.baselines]
+    sentences[0] = f"{opening}; {sentences[0]}"
+    sentences.append(_on_settings(study, importance))
+    sentences.append(_on_size(study, combined, margin))
+    sentences.append(_on_leaders(leaders[leaders["point"].isin(names)]) if claims is None else _on_claims(claims))
+    return [sentence[0].upper() + sentence[1:] for sentence in sentences]
+
+
+def at_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
+    """The rows of the headline's condition and length, all planners and baselines."""
+    return table[(table["condition"] == headline.condition) & (table["n_cycles"] == headline.n_cycles)]
+
+
+def percent(share: float) -> str:
+    """A share in per cent, with two significant digits or one decimal; zero has no sign."""
+    value = 100 * share
+    shown = f"{value:.1f}" if abs(value) >= 0.95 else f"{value:.2g}"
+    return f"{0 if float(shown) == 0 else shown} %".replace("-", "−")
+
+
+def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) -> str:
+    headline = study.headline
+    here = at_headline(combined, headline)
+    here = here[here["baseline"] == baseline]
+    own = here[here["planner"] == headline.planner]
+    better, worse = (int((own["verdict"] == verdict).sum()) for verdict in ("better", "worse"))
+    others = [
+        f"{planner} in {(rows['verdict'] == 'better').sum()} (worse in {(rows['verdict'] == 'worse').sum()})"
+        for planner in study.planners
+        if planner != headline.planner
+        for rows in [here[here["planner"] == planner]]
+    ]
+    return (
+        f"{headline.planner} is significantly better than {baseline} in {better} of {len(own)} and worse in {worse} "
+        f"({headline.condition}, {headline.n_cycles} cycles; 95 % intervals, each for itself) and saves "
+        f"{percent(own['gain'].median())} of the cost in the median, {percent(own['gain'].min())} to "
+        f"{percent(own['gain'].max())} from one to another"
+        f"{'; significantly better are also ' + ', '.join(others) if others else ''}."
+    )
+
+
+def _on_settings(study: StudySettings, importance: pd.DataFrame) -> str:
+    headline = study.headline
+    here = at_headline(importance, headline)
+    here = here[(here["planner"] == headline.planner) & (here["baseline"] == study.baselines[0])]
+    first, rest = here.iloc[:DECIDING], here.iloc[DECIDING:]
+    named = ", ".join(
+        f"{row['factor']} ({percent(row['share'])} of the variance, {percent(row['share_low'])} to "
+        f"{percent(row['share_high'])}{_swing(row)})"
+        for _, row in first.iterrows()
+    )
+    return (
+        f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}"
+        f"{'' if rest.empty else '; every other setting alone explains ' + percent(rest['share'].max()) + ' at most'}."
+    )
+
+
+def _swing(row: "pd.Series") -> str:
+    if not row["swing"] > 0:
+        return ""
+    return f"; alone it moves the gain by {percent(row['swing'])} from {row['least_at']} to {row['most_at']}"
+
+
+def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str:
+    planner, baseline = study.headline.planner, study.baselines[0]
+    own = combined[(combined["planner"] == planner) & (combined["baseline"] == baseline)]
+    within = int((own["gain_high"] < margin).sum())
+    most = own.loc[own["gain"].idxmax()]
+    return (
+        f"over all conditions and lengths {baseline} costs less than {percent(margin)} more than {planner}, by the upper "
+        f"end of the interval, in {within} of {len(own)} cells; most is gained in {most['point']}, {most['condition']}, "
+        f"{most['n_cycles']} cycles: {percent(most['gain'])} ({percent(most['gain_low'])} to "
+        f"{percent(most['gain_high'])})."
+    )
+
+
+def _on_leaders(leaders: pd.DataFrame) -> str:
+    counts = leaders["policy"].value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    named = ", ".join(f"{policy} in {count}" for policy, count in counts.items())
+    return f"of all policies, the least mean cost has {named} of {len(leaders)} cells."
+
+
+def _on_claims(claims: pd.DataFrame) -> str:
+    held = reproduced_share(claims)
+    points = int(claims.groupby("claim")["points"].sum().max())
+    return (
+        f"of the paper's claims {held.index[0]} is the most robust, reproduced at {percent(held.iloc[0])} of the "
+        f"{points} settings tried, and {held.index[-1]} the least, at {percent(held.iloc[-1])}."
+    )
