@@ -10,6 +10,7 @@ from fatigue_planner.cli.cache import app as cache
 from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
 from fatigue_planner.cli.options import EXIT_CODES
+from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.view import view
 
@@ -24,6 +25,7 @@ app = typer.Typer(
 app.command(epilog=EXIT_CODES)(simulate)
 app.command(epilog=EXIT_CODES)(benchmark)
 app.command(epilog=EXIT_CODES)(figures)
+app.command(epilog=EXIT_CODES)(sensitivity)
 app.command(epilog=EXIT_CODES)(view)
 app.add_typer(human, name="human", epilog=EXIT_CODES)
 app.add_typer(cache, name="cache", epilog=EXIT_CODES)

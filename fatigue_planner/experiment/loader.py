@@ -17,6 +17,7 @@ from fatigue_planner.yaml_reader import read_yaml
 
 Location = tuple[int | str, ...]
 
+
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, checked completely.
 
@@ -43,7 +44,7 @@ def read_content(path: Path) -> dict[str, Any]:
 
 
 def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
-    """The experiment of a file's content, checked in form. Raises ExperimentError with all faults; `source` says where."""
+    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all faults."""
     try:
         return Experiment.model_validate(content, strict=True)
     except ValidationError as error:

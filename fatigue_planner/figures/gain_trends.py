@@ -27,10 +27,8 @@ def trend_table(points: Sequence[Point], gains: pd.DataFrame, factors: Sequence[
     return table.assign(**{name: [levels[point][name] for point in table["point"]] for name in factors})
 
 
-def trend_figure(
-    table: pd.DataFrame, factors: Mapping[str, FactorSettings], baselines: Sequence[str]
-) -> Figure:  # fmt: skip
-    """A row of panels per baseline, a column per factor, a marker per combination with its interval; `trend_table`'s."""
+def trend_figure(table: pd.DataFrame, factors: Mapping[str, FactorSettings], baselines: Sequence[str]) -> Figure:
+    """A row of panels per baseline, a column per factor, in each the combinations of `trend_table` with intervals."""
     figure = new_figure(7.0, 2.2 * len(baselines) + 0.3)
     axes = figure.subplots(len(baselines), len(factors), squeeze=False, sharey="row")
     for row, baseline in enumerate(baselines):

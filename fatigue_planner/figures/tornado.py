@@ -35,7 +35,7 @@ def tornado_table(points: Sequence[Point], gains: pd.DataFrame) -> pd.DataFrame:
 
 
 def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
-    """One bar per factor from the least to the largest gain, a marker and its name at every level; `tornado_table`'s."""
+    """One bar per factor from the least to the largest gain of `tornado_table`, a mark at every level."""
     factors = [name for name in dict.fromkeys(table["factor"]) if name]
     base = table.loc[table["factor"] == "", "gain"]
     figure = new_figure(7.0, 0.9 + 0.3 * len(factors))

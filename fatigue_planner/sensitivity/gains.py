@@ -21,10 +21,10 @@ def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], base
     """One row per point, condition, length, planner and baseline (COLUMNS).
 
     `trials`: by point, as `benchmark.table`'s. gain: by how much the planner's mean cost is below the baseline's, as a
-    share of the baseline's mean cost (0 where nothing costs anything); gain_low, gain_high: its 95 % confidence interval
-    by Student's t on the paired differences, the baseline's mean taken as given. A policy that was run once because all
-    its runs are the same counts for every trial. verdict: better or worse where the interval leaves out 0, else
-    undecided; each for itself, so some 5 % of the differences that are not there are called one.
+    share of the baseline's mean cost (0 where nothing costs anything). gain_low, gain_high: its 95 % confidence
+    interval by Student's t on the paired differences, the baseline's mean taken as given. A policy that was run once
+    because all its runs are the same counts for every trial. verdict: better or worse where the interval leaves out 0,
+    else undecided; each for itself, so some 5 % of the differences that are not there are called one.
     """
     rows = []
     for point, table in trials.items():

@@ -41,7 +41,7 @@ def importance_table(
             table[key] = np.nan if own is None else own[column]
         tables.append(pd.concat([table, _swings(points, responses, name)], axis=1))
     # a stable sort on the share keeps the factors' order among those that have none
-    places = {key: place for place, key in enumerate(responses.columns)}
+    places = {tuple(key): place for place, key in enumerate(responses.columns.to_list())}
     table = pd.concat(tables, ignore_index=True)
     table["place"] = [places[tuple(row)] for row in table[RESPONSE].itertuples(index=False)]
     return (
@@ -52,12 +52,12 @@ def importance_table(
 
 
 def shares(regressors: Matrix, values: Matrix, rng: np.random.Generator) -> Matrix:
-    """Adjusted R^2 (responses,) of values (n, responses) on regressors (n, p) and a constant, and its interval: (3, ...).
+    """Adjusted R^2 of values (n, responses) on regressors (n, p) and a constant, and its interval: (3, responses).
 
-    For numbers the regressors are a parabola's, for names indicators (then it is the correlation ratio, adjusted: Kelley's
-    epsilon squared). Adjusted, a factor without effect has a share of 0 in the mean; single ones may be below. The
-    interval is the percentile bootstrap's over points, which for small shares reaches too high. NaN where there are too
-    few points or nothing varies.
+    For numbers the regressors are a parabola's, for names indicators; then it is the correlation ratio, adjusted
+    (Kelley's epsilon squared). Adjusted, a factor without effect has a share of 0 in the mean; single ones may be
+    below. The interval is the percentile bootstrap's over points, which for small shares reaches too high. NaN where
+    there are too few points or nothing varies.
     """
     n, p = regressors.shape
     if n < p + 2:

@@ -20,7 +20,7 @@ def lessons(
     claims: pd.DataFrame | None,
     margin: float,
 ) -> list[str]:
-    """One sentence per baseline, one each on the settings that decide, the size of gains, and claims or the best policy.
+    """A sentence per baseline, and one each on what decides, how large gains are, and the claims or the best policy.
 
     The tables are those of `gain_table`, `importance_table`, `leader_table` and `claim_table`; `margin` is the share of
     the cost below which a difference does not matter.
@@ -28,9 +28,7 @@ def lessons(
     names = {point.name for point in points if point.design == "space filling"}
     combined = gains[gains["point"].isin(names)]
     done = combined["point"].nunique()
-    opening = (
-        f"Of {len(names)} combinations of all {len(study.factors)} settings the digital human can perform {done}"
-    )
+    opening = f"Of {len(names)} combinations of all {len(study.factors)} settings the digital human can perform {done}"
     if done == 0:
         return [f"{opening}, so there is nothing to compare."]
     sentences = [_on_baseline(study, combined, baseline) for baseline in study.baselines]
@@ -47,10 +45,10 @@ def at_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
 
 
 def percent(share: float) -> str:
-    """A share in per cent, with two significant digits or one decimal; zero has no sign."""
+    """A share in per cent, with one decimal or, below 1 %, two significant digits; no zeros at the end, no -0."""
     value = 100 * share
-    shown = f"{value:.1f}" if abs(value) >= 0.95 else f"{value:.2g}"
-    return f"{0 if float(shown) == 0 else shown} %".replace("-", "−")
+    rounded = round(value, 1) if abs(value) >= 0.95 else float(f"{value:.2g}")
+    return f"{rounded + 0.0:.6g} %".replace("-", "−")
 
 
 def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) -> str:
@@ -78,19 +76,23 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame) -> str:
     headline = study.headline
     here = at_headline(importance, headline)
     here = here[(here["planner"] == headline.planner) & (here["baseline"] == study.baselines[0])]
-    first, rest = here.iloc[:DECIDING], here.iloc[DECIDING:]
+    seen = here[here["share_low"] > 0].iloc[:DECIDING]
+    if seen.empty:
+        return (
+            f"no setting alone is seen to decide how much {headline.planner} gains over {study.baselines[0]}: the 95 % "
+            f"interval of every share of the variance reaches 0."
+        )
     named = ", ".join(
         f"{row['factor']} ({percent(row['share'])} of the variance, {percent(row['share_low'])} to "
         f"{percent(row['share_high'])}{_swing(row)})"
-        for _, row in first.iterrows()
+        for _, row in seen.iterrows()
     )
-    return (
-        f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}"
-        f"{'' if rest.empty else '; every other setting alone explains ' + percent(rest['share'].max()) + ' at most'}."
-    )
+    rest = here.drop(seen.index)["share"].max()
+    others = "" if pd.isna(rest) else f"; any other setting alone explains at most {percent(max(rest, 0.0))}"
+    return f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}."
 
 
-def _swing(row: "pd.Series") -> str:
+def _swing(row: pd.Series) -> str:
     if not row["swing"] > 0:
         return ""
     return f"; alone it moves the gain by {percent(row['swing'])} from {row['least_at']} to {row['most_at']}"
@@ -100,11 +102,11 @@ def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str
     planner, baseline = study.headline.planner, study.baselines[0]
     own = combined[(combined["planner"] == planner) & (combined["baseline"] == baseline)]
     within = int((own["gain_high"] < margin).sum())
-    most = own.loc[own["gain"].idxmax()]
+    most = own.sort_values("gain", kind="stable").iloc[-1]
     return (
-        f"over all conditions and lengths {baseline} costs less than {percent(margin)} more than {planner}, by the upper "
-        f"end of the interval, in {within} of {len(own)} cells; most is gained in {most['point']}, {most['condition']}, "
-        f"{most['n_cycles']} cycles: {percent(most['gain'])} ({percent(most['gain_low'])} to "
+        f"over all conditions and lengths {planner} saves less than {percent(margin)} of what {baseline} costs, by the "
+        f"upper end of the interval, in {within} of {len(own)} cells; most is saved at {most['point']}, "
+        f"{most['condition']}, {most['n_cycles']} cycles: {percent(most['gain'])} ({percent(most['gain_low'])} to "
         f"{percent(most['gain_high'])})."
     )
 

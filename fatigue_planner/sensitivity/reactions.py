@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 from fatigue_planner.experiment.resolve import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment

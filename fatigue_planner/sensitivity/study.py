@@ -56,7 +56,10 @@ def load_study(path: Path) -> Study:
     """
     settings = _read_settings(path)
     base_file = path.parent / settings.base
-    content = _with_grid(read_content(base_file), settings)
+    try:
+        content = _with_grid(read_content(base_file), settings)
+    except ExperimentError as error:
+        raise ExperimentError(f"{path}: {error}") from error
     base = parse_experiment(content, f"{path}: the grid on {base_file}")
     _check_names(path, settings, base)
     plain = base.plain()
@@ -104,6 +107,8 @@ def _place(location: Location) -> str:
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
     """The base experiment's content with the study's name and grid, without what speaks of the old grid."""
     grid = settings.grid
+    if content.get("name") == settings.name:
+        raise ExperimentError(f"name = {settings.name!r}: is the base experiment's, whose results it would mix with.")
     benchmark = content.get("benchmark")
     statistics = content.get("statistics")
     if not isinstance(benchmark, dict) or not isinstance(statistics, dict):
