@@ -15,6 +15,7 @@ from fatigue_planner.cli.options import (
     CacheFolder,
     Jobs,
     ResultsFolder,
+    command_line,
     talk,
 )
 from fatigue_planner.errors import ExperimentError
@@ -55,16 +56,17 @@ def sensitivity(
     settings = load_study(study)
     points = design(settings)
     store = writable_folder(results / settings.settings.name / "parts")
-    reacted = _react(settings, points, ReactionCache(writable_folder(cache)), jobs)
+    command = command_line("sensitivity", study, cache, results)
+    reacted = _react(settings, points, ReactionCache(writable_folder(cache)), jobs, command)
     trials = _run(reacted, store, jobs)
     _publish(settings, reacted, trials, results / settings.settings.name)
 
 
-def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: int) -> list[Reacted]:
+def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: int, command: str) -> list[Reacted]:
     console = talk()
     with _bar() as bar:
         task = bar.add_task(f"Reactions of {len(points)} points", total=len(unique_requests(points)))
-        reacted = react(study.settings.name, points, cache, jobs, lambda _: bar.advance(task))
+        reacted = react(study.settings.name, points, cache, jobs, lambda _: bar.advance(task), command)
     for warning in cache.damaged:
         console.print(f"Warning: {warning}", markup=False)
     feasible = sum(one.profiles is not None for one in reacted)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from fatigue_planner.figures.style import COLOURS, new_figure, words
 from fatigue_planner.sensitivity.design import Point
 from fatigue_planner.sensitivity.factors.choice import ChoiceSettings
-from fatigue_planner.sensitivity.factors.factor import FactorSettings
+from fatigue_planner.sensitivity.factors.factor import FactorSettings, level_text
 from fatigue_planner.sensitivity.factors.span import SpanSettings
 
 # Verdict: marker and colour; told apart without colour, too.
@@ -53,6 +53,9 @@ def _panel(axes: Axes, table: pd.DataFrame, name: str, factor: FactorSettings) -
         across = table[name].to_numpy(dtype=float)
         if isinstance(factor, SpanSettings) and factor.scale == "log":
             axes.set_xscale("log")
+            ticks = [factor.level_at(share) for share in (0.0, 0.5, 1.0)]
+            axes.set_xticks(np.array(ticks, dtype=float), [level_text(level) for level in ticks])
+            axes.minorticks_off()
     gains, low, high = (100 * table[key].to_numpy(dtype=float) for key in ("gain", "gain_low", "gain_high"))
     axes.vlines(across, low, high, color="0.8", linewidth=0.7)
     for verdict, (marker, colour) in LOOKS.items():

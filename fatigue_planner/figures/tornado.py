@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.figures.style import COLOURS, new_figure, words
 from fatigue_planner.sensitivity.design import Point
+from fatigue_planner.sensitivity.factors.factor import level_text
 
 COLUMNS = ["factor", "level", "gain", "gain_low", "gain_high"]
 
@@ -18,7 +19,11 @@ def tornado_table(points: Sequence[Point], gains: pd.DataFrame) -> pd.DataFrame:
     """
     by_point = gains.set_index("point")
     rows = [
-        (point.factor, str(point.levels[point.factor]) if point.factor else "", *by_point.loc[point.name, COLUMNS[2:]])
+        (
+            point.factor,
+            level_text(point.levels[point.factor]) if point.factor else "",
+            *by_point.loc[point.name, COLUMNS[2:]],
+        )
         for point in points
         if point.design != "space filling" and point.name in by_point.index
     ]
@@ -45,6 +50,11 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
         gains = 100 * pd.concat([own["gain"], base])
         axes.barh(place, gains.max() - gains.min(), left=gains.min(), height=0.55, color=COLOURS[5], edgecolor="0.3")
         axes.plot(100 * own["gain"], [place] * len(own), marker="|", color="black", linestyle="none", markersize=9)
+        if gains.max() == gains.min():
+            axes.annotate(
+                "no effect", (gains.min(), place), (4, 0), textcoords="offset points", va="center", fontsize=7
+            )
+            continue
         ends = own.sort_values("gain", kind="stable")
         for row, side, shift in ((ends.iloc[0], "right", -4), (ends.iloc[-1], "left", 4)):
             axes.annotate(

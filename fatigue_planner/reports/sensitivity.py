@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from fatigue_planner.reports.markdown import table
+from fatigue_planner.sensitivity.factors.factor import level_text
 from fatigue_planner.sensitivity.lessons import at_headline, percent
 from fatigue_planner.sensitivity.reactions import Reacted
 from fatigue_planner.sensitivity.study import Study
@@ -90,14 +91,10 @@ def _cells(reacted: Sequence[Reacted], gains: pd.DataFrame) -> str:
 def _factors(study: Study) -> str:
     base = study.base_levels()
     rows = [
-        [name, ", ".join(map(_level, factor.all_levels())), _level(base[name]), factor.reason]
+        [name, ", ".join(map(level_text, factor.all_levels())), level_text(base[name]), factor.reason]
         for name, factor in study.settings.factors.items()
     ]
     return table(["setting", "levels alone", "base", "why these"], rows)
-
-
-def _level(level: float | str) -> str:
-    return level if isinstance(level, str) else f"{level:g}"
 
 
 def _infeasible(reacted: Sequence[Reacted]) -> str:

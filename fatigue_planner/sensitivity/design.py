@@ -8,7 +8,7 @@ from fatigue_planner.errors import DataFileError, ExperimentError
 from fatigue_planner.experiment.feasibility import check_meaning
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.sensitivity.factors.factor import Level
+from fatigue_planner.sensitivity.factors.factor import Level, level_text
 from fatigue_planner.sensitivity.study import Study
 from fatigue_planner.streams import stream
 
@@ -42,7 +42,7 @@ def design(study: Study) -> list[Point]:
     for name, factor in study.settings.factors.items():
         others = [level for level in factor.all_levels() if level != base[name]]
         points += [
-            _point(study, f"{name}={level}", "one at a time", name, {name: level}, base | {name: level})
+            _point(study, f"{name}={level_text(level)}", "one at a time", name, {name: level}, base | {name: level})
             for level in others
         ]
     for number, shares in enumerate(_unit_cube(study)):

@@ -12,8 +12,8 @@ CONFIDENCE = 0.95
 # Differences of this share of the cost are rounding.
 ROUNDING = 1e-12
 COLUMNS = [
-    "point", "condition", "n_cycles", "planner", "baseline", "trials", "baseline_cost", "gain", "gain_low", "gain_high",
-    "verdict",
+    "point", "condition", "n_cycles", "planner", "baseline", "trials", "baseline_cost", "gain", "standard_error",
+    "gain_low", "gain_high",    "verdict",
 ]  # fmt: skip
 
 
@@ -21,10 +21,10 @@ def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], base
     """One row per point, condition, length, planner and baseline (COLUMNS).
 
     `trials`: by point, as `benchmark.table`'s. gain: by how much the planner's mean cost is below the baseline's, as a
-    share of the baseline's mean cost (0 where nothing costs anything). gain_low, gain_high: its 95 % confidence
-    interval by Student's t on the paired differences, the baseline's mean taken as given. A policy that was run once
-    because all its runs are the same counts for every trial. verdict: better or worse where the interval leaves out 0,
-    else undecided; each for itself, so some 5 % of the differences that are not there are called one.
+    share of the baseline's mean cost (0 where nothing costs anything). standard_error, and gain_low, gain_high, its
+    95 % confidence interval by Student's t: of the paired differences, the baseline's mean taken as given. A policy
+    that was run once because all its runs are the same counts for every trial. verdict: better or worse where the
+    interval leaves out 0, else undecided; each for itself, so 5 % of no differences are called one.
     """
     rows = []
     for point, table in trials.items():
@@ -39,8 +39,8 @@ def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], base
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, float, float, float, float, str]:
-    """Trials, the baseline's mean cost, gain, its interval and the verdict, from costs (trials,) or (1,).
+def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, float, float, float, float, float, str]:
+    """Trials, the baseline's mean cost, gain, standard error, interval and verdict, from costs (trials,) or (1,).
 
     `certain`: every run is the same, so that one is enough.
     """
@@ -50,9 +50,9 @@ def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, 
     gain = float(saved.mean()) / unit
     gain = 0.0 if abs(gain) < ROUNDING else gain
     if certain:
-        width = 0.0
+        error = width = 0.0
     elif saved.size < 2:
-        width = np.nan
+        error = width = np.nan
     else:
         from scipy.stats import t  # noqa: PLC0415 - takes half a second
 
@@ -60,7 +60,7 @@ def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, 
         width = float(t.ppf((1 + CONFIDENCE) / 2, saved.size - 1)) * error
     low, high = gain - width, gain + width
     verdict = "better" if low > 0 else "worse" if high < 0 else "undecided"
-    return saved.size, cost, gain, low, high, verdict
+    return saved.size, cost, gain, error, low, high, verdict
 
 
 def leader_table(trials: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

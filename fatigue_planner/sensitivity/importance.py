@@ -7,7 +7,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from fatigue_planner.sensitivity.design import Point
-from fatigue_planner.sensitivity.factors.factor import FactorSettings, Level
+from fatigue_planner.sensitivity.factors.factor import FactorSettings, Level, level_text
 from fatigue_planner.streams import stream
 
 Matrix = NDArray[np.float64]
@@ -26,11 +26,17 @@ def importance_table(
     share: the share of the gain's variance over the combinations that the factor explains alone (see `shares`), with a
     95 % bootstrap interval (share_low, share_high); NaN with too few combinations. swing: largest minus smallest gain
     over the factor's levels tried one at a time, the base experiment's among them; least_at and most_at: these levels.
+    chance: the mean squared standard error of the gains as a share of their variance over the combinations, the most
+    that the finite number of trials adds to it (less, as all combinations meet the same worlds).
     `gains` is `gains.gain_table`'s; points that it does not have could not be performed.
     """
     responses = gains.pivot_table(index="point", columns=RESPONSE, values="gain", sort=False)
     combined = [point for point in points if point.design == "space filling" and point.name in responses.index]
-    values = responses.loc[[point.name for point in combined]].to_numpy()
+    names = [point.name for point in combined]
+    values = responses.loc[names].to_numpy()
+    errors = gains.pivot_table(index="point", columns=RESPONSE, values="standard_error", sort=False)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        chance = (errors.reindex(names) ** 2).mean().reindex(responses.columns) / responses.loc[names].var()
     tables = []
     for name, factor in factors.items():
         table = responses.columns.to_frame(index=False)
@@ -39,6 +45,7 @@ def importance_table(
         table["factor"] = name
         for column, key in enumerate(("share", "share_low", "share_high")):
             table[key] = np.nan if own is None else own[column]
+        table["chance"] = chance.to_numpy()
         tables.append(pd.concat([table, _swings(points, responses, name)], axis=1))
     # a stable sort on the share keeps the factors' order among those that have none
     places = {tuple(key): place for place, key in enumerate(responses.columns.to_list())}
@@ -64,11 +71,12 @@ def shares(regressors: Matrix, values: Matrix, rng: np.random.Generator) -> Matr
         return np.full((3, values.shape[1]), np.nan)
     design = np.column_stack([np.ones(n), regressors])
     centred = values - values.mean(axis=0)
-    estimate = _adjusted(design, centred, np.ones((1, n)))[0]
+    found = np.full((3, values.shape[1]), np.nan)
+    found[0] = _adjusted(design, centred, np.ones((1, n)))[0]
+    varies = ~np.isnan(found[0])
     counts = rng.multinomial(n, np.full(n, 1 / n), size=RESAMPLES).astype(float)
-    with np.errstate(invalid="ignore"):
-        low, high = np.nanquantile(_adjusted(design, centred, counts), INTERVAL, axis=0)
-    return np.vstack([estimate, low, high])
+    found[1:, varies] = np.nanquantile(_adjusted(design, centred[:, varies], counts), INTERVAL, axis=0)
+    return found
 
 
 def _adjusted(design: Matrix, values: Matrix, counts: Matrix) -> Matrix:
@@ -92,7 +100,7 @@ def _swings(points: Sequence[Point], responses: pd.DataFrame, factor: str) -> pd
     own = responses.loc[[name for name in names if name in responses.index]]
     if own.empty:
         return pd.DataFrame({"swing": np.nan, "least_at": "", "most_at": ""}, index=range(responses.shape[1]))
-    at = [str(levels[str(name)]) for name in own.index]
+    at = [level_text(levels[str(name)]) for name in own.index]
     values = own.to_numpy()
     return pd.DataFrame(
         {

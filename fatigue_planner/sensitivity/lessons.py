@@ -89,7 +89,11 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame) -> str:
     )
     rest = here.drop(seen.index)["share"].max()
     others = "" if pd.isna(rest) else f"; any other setting alone explains at most {percent(max(rest, 0.0))}"
-    return f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}."
+    chance = percent(here["chance"].iloc[0])
+    return (
+        f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}, and the chance of "
+        f"the runs at most {chance}."
+    )
 
 
 def _swing(row: pd.Series) -> str:

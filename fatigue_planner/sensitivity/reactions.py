@@ -35,20 +35,25 @@ def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
 
 
 def react(
-    study: str, points: Sequence[Point], cache: ReactionCache, jobs: int, progress: Callable[[Outcome], None]
+    study: str,
+    points: Sequence[Point],
+    cache: ReactionCache,
+    jobs: int,
+    progress: Callable[[Outcome], None],
+    command: str,
 ) -> list[Reacted]:
     """All points with the cycle profiles of their reactions.
 
     Reactions not in the cache are simulated and kept there, in one library named after the study. A point one of whose
-    reactions fails has no profiles. One motion at a time is held in memory. `progress` hears of every reaction.
-    Raises OutputFolderError.
+    reactions fails has no profiles. One motion at a time is held in memory. `progress` hears of every reaction;
+    `command` is what the user ran, for messages. Raises OutputFolderError.
     """
     requests = unique_requests(points)
-    path, outcomes = cache.complete(study, requests, jobs, progress)
+    _, outcomes = cache.complete(study, requests, jobs, progress)
     failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
     good = [request for request in requests if request.digest not in failures]
     if failures and good:
-        path, _ = cache.complete(study, good, jobs, lambda _: None)
+        cache.complete(study, good, jobs, lambda _: None)
     needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
     reasons: dict[str, list[str]] = {}
     for point in points:
@@ -59,7 +64,7 @@ def react(
             if request.digest in failures:
                 reasons.setdefault(point.name, []).append(f"{request.name}: {failures[request.digest]}")
     profiles: dict[str, Profiles] = {point.name: {} for point in points}
-    for reaction in cache.stream(study, good, f"the same command again; {path.name} was removed") if good else ():
+    for reaction in cache.stream(study, good, command) if good else ():
         for point, experiment, name in needs[reaction.digest]:
             if point.name not in reasons:
                 parameters = worker_fatigue(experiment)[name.worker]

@@ -18,7 +18,7 @@ class Grid(Settings):
     policies: tuple[Name, ...] | None = Field(default=None, min_length=1)
     # Policies that the base experiment does not have.
     further_policies: dict[Name, PolicySettings] = Field(default_factory=dict)
-    trials: int | None = Field(default=None, ge=2, le=1_000_000)
+    trials: int | None = Field(default=None, ge=1, le=1_000_000)
 
 
 class Headline(Settings):

@@ -18,6 +18,7 @@ from fatigue_planner.yaml_reader import read_yaml
 
 # What must be the same at all points, so that their results can be compared, or is not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
+FEWEST_TRIALS = 2
 
 
 @dataclass(frozen=True)
@@ -144,6 +145,8 @@ def _check_names(path: Path, settings: StudySettings, base: Experiment) -> None:
         _check_known("headline.planner", [headline.planner], settings.planners)
         _check_known("headline.condition", [headline.condition], grid.conditions)
         _check_known("headline.n_cycles", [headline.n_cycles], grid.n_cycles)
+        if grid.trials < FEWEST_TRIALS:
+            raise ExperimentError(f"grid.trials = {grid.trials}: intervals need at least {FEWEST_TRIALS}.")
         if both := [name for name in settings.planners if name in settings.baselines]:
             raise ExperimentError(f"baselines: {both[0]!r} is among the planners, too.")
     except ExperimentError as error:

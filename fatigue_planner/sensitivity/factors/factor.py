@@ -22,6 +22,11 @@ Matrix = NDArray[np.float64]
 BaseValues = Mapping[str, Any]
 
 
+def level_text(level: Level) -> str:
+    """A level as it is written: a number with as many digits as it needs."""
+    return level if isinstance(level, str) else f"{level:.6g}"
+
+
 class FactorSettings(Settings):
     """A factor as it stands in a study; `reason`: why these levels, for the page of results."""
 
