@@ -295,7 +295,7 @@ def test_help_and_version() -> None:
 
     from fatigue_planner.cli.main import app
 
-    for command in ([], ["simulate"], ["benchmark"], ["figures"], ["view"]):
+    for command in ([], ["simulate"], ["benchmark"], ["figures"], ["sensitivity"], ["view"]):
         done = CliRunner().invoke(app, [*command, "--help"])
         assert done.exit_code == 0 and "Exit codes:" in done.output
     assert fatplan("--version").stdout.startswith("fatplan ")

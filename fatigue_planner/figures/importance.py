@@ -18,7 +18,7 @@ def importance_figure(table: pd.DataFrame, baselines: Sequence[str]) -> Figure:
     """
     factors = list(table.loc[table["baseline"] == baselines[0], "factor"])
     height = 0.8 / len(baselines)
-    figure = new_figure(7.0, 0.9 + 0.17 * (1 + len(baselines)) * len(factors))
+    figure = new_figure(7.0, 0.9 + 0.12 * (1 + len(baselines)) * len(factors))
     axes = figure.subplots()
     for number, baseline in enumerate(baselines):
         own = 100 * table[table["baseline"] == baseline].set_index("factor")[["share", "share_low", "share_high"]]
