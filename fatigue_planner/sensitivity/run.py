@@ -16,7 +16,7 @@ from fatigue_planner.sensitivity.reactions import Reacted
 from fatigue_planner.streams import stream
 
 # For the estimate of time: so many cells are timed, each for so many cycles.
-TIMED_CELLS = 40
+TIMED_CELLS = 200
 TIMED_CYCLES = 3
 
 
