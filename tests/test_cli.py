@@ -305,7 +305,13 @@ def test_help_and_version() -> None:
 
     from fatigue_planner.cli.main import app
 
-    for command in ([], ["simulate"], ["benchmark"], ["claims"], ["figures"], ["view"]):
+    for command in (
+        [],
+        *(
+            [name]
+            for name in ("simulate", "benchmark", "claims", "figures", "report", "compare", "sensitivity", "view")
+        ),
+    ):
         done = CliRunner().invoke(app, [*command, "--help"])
         assert done.exit_code == 0 and "Exit codes:" in done.output
     assert fatplan("--version").stdout.startswith("fatplan ")

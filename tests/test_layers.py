@@ -9,7 +9,7 @@ PACKAGE = Path(__file__).parents[1] / "fatigue_planner"
 FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance", "streams", "yaml_reader"]
 LAYERS = [
     "human", "exports", "motion", "reactions", "fatigue", "pomdp", "bounds", "planners", "benchmark", "statistics",
-    "experiment", "claims", "figures", "reports", "viewer", "cli",
+    "experiment", "claims", "sensitivity", "figures", "reports", "viewer", "cli",
 ]  # fmt: skip
 
 

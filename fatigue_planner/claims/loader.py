@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from fatigue_planner.claims.relations.registry import RELATIONS
 from fatigue_planner.claims.schema import Claim, ClaimsFile
 from fatigue_planner.errors import ClaimsError
-from fatigue_planner.experiment.loader import faults_of, load_experiment
+from fatigue_planner.experiment.loader import fault_text, load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.yaml_reader import read_yaml
 
@@ -34,7 +34,7 @@ def load_claims(path: Path) -> Claims:
     try:
         file = ClaimsFile.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ClaimsError("\n".join(f"{path}: {fault}" for fault in faults_of(error))) from error
+        raise ClaimsError(fault_text(error, str(path))) from error
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]

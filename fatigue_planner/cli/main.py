@@ -13,6 +13,7 @@ from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
 from fatigue_planner.cli.options import EXIT_CODES
 from fatigue_planner.cli.report import report
+from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.view import view
 
@@ -30,6 +31,7 @@ app.command(epilog=EXIT_CODES)(claims)
 app.command(epilog=EXIT_CODES)(figures)
 app.command(epilog=EXIT_CODES)(report)
 app.command(epilog=EXIT_CODES)(compare)
+app.command(epilog=EXIT_CODES)(sensitivity)
 app.command(epilog=EXIT_CODES)(view)
 app.add_typer(human, name="human", epilog=EXIT_CODES)
 app.add_typer(cache, name="cache", epilog=EXIT_CODES)

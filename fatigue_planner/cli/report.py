@@ -20,6 +20,7 @@ from fatigue_planner.experiment.selection import cells
 from fatigue_planner.files import publish_text
 from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.reports.html.page import REPORT_FILE
 
 
 def report(
@@ -34,7 +35,8 @@ def report(
     """
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
-    from fatigue_planner.reports.results.report import REPORT_FILE, report  # noqa: PLC0415
+    from fatigue_planner.reports.results.report import report  # noqa: PLC0415
+    from fatigue_planner.reports.study.finished import study_of  # noqa: PLC0415
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
@@ -48,7 +50,8 @@ def report(
     material = Material(settings, reactions, grid, tables, courses(grid, tables, folder))
     gallery = Gallery(folder)
     path = folder / REPORT_FILE
-    publish_text(path, report(material, gallery, experiment, [simulate, f"{benchmark} --regret --bound", own]))
+    commands = [simulate, f"{benchmark} --regret --bound", own]
+    publish_text(path, report(material, gallery, experiment, commands, study_of(settings, results)))
     note = {"reactions": digests(reaction_requests(settings))}
     publish_manifest(folder, "report", note, [*gallery.files, path])
     size = path.stat().st_size / 1e6

@@ -1,8 +1,9 @@
 """From a file to an Experiment, or one clear message."""
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -14,6 +15,8 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.settings import Settings
 from fatigue_planner.yaml_reader import read_yaml
 
+Location = tuple[int | str, ...]
+
 
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, checked completely.
@@ -21,15 +24,7 @@ def load_experiment(path: Path) -> Experiment:
     Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, then the first
     of meaning.
     """
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
-    try:
-        experiment = Experiment.model_validate(expand_grids(content), strict=True)
-    except ValidationError as error:
-        raise ExperimentError("\n".join(f"{path}: {fault}" for fault in faults_of(error))) from error
-    except ExperimentError as error:
-        raise ExperimentError(f"{path}: {error}") from error
+    experiment = parse_experiment(read_content(path), str(path))
     try:
         check_meaning(experiment)
     except DataFileError as error:
@@ -37,9 +32,29 @@ def load_experiment(path: Path) -> Experiment:
     return experiment
 
 
-def faults_of(error: ValidationError) -> list[str]:
-    """What is wrong with a file of settings, one text per fault: place, value, what is allowed."""
-    return list(dict.fromkeys(_describe(fault) for fault in _telling(error.errors())))
+def read_content(path: Path) -> dict[str, Any]:
+    """What an experiment file says, its grids of actions written out. Raises ExperimentError."""
+    content = read_yaml(path, ExperimentError)
+    if not isinstance(content, dict):
+        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
+    try:
+        return expand_grids(content)
+    except ExperimentError as error:
+        raise ExperimentError(f"{path}: {error}") from error
+
+
+def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
+    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all faults."""
+    try:
+        return Experiment.model_validate(content, strict=True)
+    except ValidationError as error:
+        raise ExperimentError(fault_text(error, source)) from error
+
+
+def fault_text(error: ValidationError, source: str, place: Callable[[Location], str] | None = None) -> str:
+    """All faults, one per line: source, key, value, what is allowed; `place`: how the path of a key is written."""
+    faults = dict.fromkeys(_describe(fault, place or _place) for fault in _telling(error.errors()))
+    return "\n".join(f"{source}: {fault}" for fault in faults)
 
 
 # pydantic's words for what a YAML file should have.
@@ -72,8 +87,8 @@ def _telling(faults: list[ErrorDetails]) -> list[ErrorDetails]:
     ]
 
 
-def _describe(fault: ErrorDetails) -> str:
-    place = _place(fault["loc"])
+def _describe(fault: ErrorDetails, place_of: Callable[[Location], str]) -> str:
+    place = place_of(fault["loc"])
     value = fault["input"]
     if fault["type"] == "extra_forbidden":
         return f"{place}: unknown key{_did_you_mean(str(fault['loc'][-1]))}"
@@ -91,7 +106,7 @@ def _describe(fault: ErrorDetails) -> str:
     return f"{place}{shown}: {message}."
 
 
-def _place(location: tuple[int | str, ...]) -> str:
+def _place(location: Location) -> str:
     """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
     parts = [str(part) for part in location]
     if parts[:2] == ["benchmark", "policies"] or parts[:1] == ["hidden_workers"]:

@@ -11,6 +11,7 @@ from markupsafe import Markup, escape
 
 from fatigue_planner.reports.html.blocks import Block, Code, Picture, Points, Section, Table, Text
 
+REPORT_FILE = "report.html"
 _CODE = re.compile(r"`([^`]+)`")
 
 

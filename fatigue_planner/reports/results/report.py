@@ -17,15 +17,18 @@ from fatigue_planner.reports.results.sections.losses import losses_section
 from fatigue_planner.reports.results.sections.provenance import provenance_section
 from fatigue_planner.reports.results.sections.reactions import reactions_section
 from fatigue_planner.reports.results.sections.returns import returns_section
+from fatigue_planner.reports.results.sections.sensitivity import sensitivity_section
 from fatigue_planner.reports.results.sections.settings import settings_section
+from fatigue_planner.reports.study.finished import FinishedStudy
 
-REPORT_FILE = "report.html"
 
-
-def report(material: Material, gallery: Gallery, file: Path, commands: Sequence[str]) -> str:
+def report(
+    material: Material, gallery: Gallery, file: Path, commands: Sequence[str], study: FinishedStudy | None
+) -> str:
     """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder.
 
-    Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`.
+    Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`; `study` is a
+    sensitivity study of the experiment.
     """
     top, claims = [findings(material)], None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
@@ -40,6 +43,7 @@ def report(material: Material, gallery: Gallery, file: Path, commands: Sequence[
         actions_section(material, gallery),
         reactions_section(material, gallery),
         claims,
+        sensitivity_section(study),
         settings_section(file),
         provenance_section(material, list(commands), file),
     ]

@@ -1,0 +1,119 @@
+"""`fatplan sensitivity`: how results depend on choices that could have been made otherwise."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import pandas as pd
+import typer
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from fatigue_planner.cli.options import (
+    ALL_CORES,
+    DEFAULT_CACHE,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    Jobs,
+    ResultsFolder,
+    command_line,
+    talk,
+)
+from fatigue_planner.errors import ExperimentError
+from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.reports.html.page import REPORT_FILE
+from fatigue_planner.sensitivity.design import Point, design
+from fatigue_planner.sensitivity.reactions import Reacted, react, unique_requests
+from fatigue_planner.sensitivity.robustness import judge
+from fatigue_planner.sensitivity.run import StudyGrid, decisions_of, estimated_seconds
+from fatigue_planner.sensitivity.study import Study, load_study
+from fatigue_planner.sensitivity.tables import study_tables
+
+DEFAULT_STUDY = Path("experiments/sensitivity.yaml")
+MINUTES_FROM_S = 120
+
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="The study file (YAML).")]
+
+
+def sensitivity(
+    study: StudyFile = DEFAULT_STUDY,
+    jobs: Jobs = ALL_CORES,
+    cache: CacheFolder = DEFAULT_CACHE,
+    results: ResultsFolder = DEFAULT_RESULTS,
+) -> None:
+    """Find out for which settings planning is worth while, and which of them decide it.
+
+    A STUDY names the settings of an experiment that could have been chosen otherwise. They are changed one at a time
+    and all at once (a space-filling design). Reactions in the cache are not simulated again; an interrupted run goes on
+    where it stopped when it is started again, and ends in the same tables.
+    """
+    settings = load_study(study)
+    points = design(settings)
+    store = writable_folder(results / settings.settings.name / "parts")
+    command = command_line("sensitivity", study, cache, results)
+    reacted = _react(settings, points, ReactionCache(writable_folder(cache)), jobs, command)
+    trials = _run(reacted, store, jobs)
+    _publish(settings, reacted, trials, results / settings.settings.name, command)
+
+
+def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: int, command: str) -> list[Reacted]:
+    console = talk()
+    with _bar() as bar:
+        task = bar.add_task(f"Reactions of {len(points)} points", total=len(unique_requests(points)))
+        reacted = react(study.settings.name, points, cache, jobs, lambda _: bar.advance(task), command)
+    for warning in cache.damaged:
+        console.print(f"Warning: {warning}", markup=False)
+    feasible = sum(one.profiles is not None for one in reacted)
+    console.print(f"{feasible} of {len(reacted)} points can be performed.")
+    if not feasible:
+        raise ExperimentError(f"{study.settings.name}: no point can be performed; the first: {reacted[0].reason}")
+    return reacted
+
+
+def _run(reacted: Sequence[Reacted], store: Path, jobs: int) -> Mapping[str, pd.DataFrame]:
+    console = talk()
+    grid = StudyGrid(reacted)
+    seconds = estimated_seconds(grid, jobs)
+    time = f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.0f} minutes"
+    console.print(f"{len(grid.cells)} different cells: about {time} with --jobs {jobs}, less what is there already.")
+    with _bar() as bar:
+        task = bar.add_task("Decisions", total=sum(map(decisions_of, grid.cells)))
+        trials, warnings = grid.run(store, jobs, lambda job, n: bar.advance(task, n * job.effort))
+    for warning in warnings:
+        console.print(f"Warning: {warning}", markup=False)
+    return trials
+
+
+def _bar() -> Progress:
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    return Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=talk())
+
+
+def _publish(
+    study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
+) -> None:
+    from fatigue_planner.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
+    from fatigue_planner.reports.study.page import study_page  # noqa: PLC0415
+
+    tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))
+    files = [folder / LESSONS_FILE]
+    publish_text(files[0], "".join(f"{sentence}\n" for sentence in tables.lessons))
+    for name, table in tables.files().items():
+        files.append(folder / f"{name}.csv")
+        publish_text(files[-1], table.to_csv(index=False, lineterminator="\n"))
+    drawn = draw_study(study, [one.point for one in reacted], tables, writable_folder(folder / FIGURES))
+    configuration = {
+        "study": study.settings.plain(),
+        "experiment": study.base.plain(),
+        "seed": study.base.benchmark.seed,
+        "reactions": digests(unique_requests([one.point for one in reacted])),
+        "figures": [path.stem for path in drawn if path.suffix == ".svg"],
+    }
+    publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])
+    publish_text(folder / REPORT_FILE, study_page(read_study(folder), command))
+    typer.echo("\n".join(f"{number}. {sentence}" for number, sentence in enumerate(tables.lessons, start=1)))
+    names = ", ".join([*(path.name for path in files), f"{FIGURES}/", MANIFEST_FILE])
+    typer.echo(f"\n{folder}: {REPORT_FILE}, {names}")

@@ -1,0 +1,27 @@
+"""A factor that multiplies numbers: the level is by how much."""
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+from fatigue_planner.errors import ExperimentError
+from fatigue_planner.sensitivity.factors.factor import BaseValues, Level
+from fatigue_planner.sensitivity.factors.span import DIGITS, SpanSettings
+
+
+class ScaleSettings(SpanSettings):
+    """Every key's own value times the same number between `from` and `to`."""
+
+    kind: Literal["scale"]
+
+    def base_level(self, base: BaseValues) -> Level:
+        """1: the values as they are."""
+        for key in self.keys:
+            if isinstance(base[key], bool) or not isinstance(base[key], int | float):
+                raise ExperimentError(f"keys: {key} = {base[key]}: only numbers can be multiplied; use kind: choice.")
+        if not self.first <= 1 <= self.last:
+            raise ExperimentError(f"from = {self.first:g}, to = {self.last:g}: 1, the experiment's own, is outside.")
+        return 1.0
+
+    def changes(self, level: Level, base: BaseValues) -> Mapping[str, Any]:
+        """The level times each key's own value."""
+        return {key: float(f"{float(level) * base[key]:.{DIGITS}g}") for key in self.keys}

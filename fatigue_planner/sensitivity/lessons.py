@@ -1,0 +1,130 @@
+"""What one learns from a study, in a few sentences made from its tables."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from fatigue_planner.sensitivity.design import Point
+from fatigue_planner.sensitivity.robustness import reproduced_share
+from fatigue_planner.sensitivity.settings import Headline, StudySettings
+
+DECIDING = 3
+
+
+def lessons(
+    study: StudySettings,
+    points: Sequence[Point],
+    gains: pd.DataFrame,
+    importance: pd.DataFrame,
+    leaders: pd.DataFrame,
+    claims: pd.DataFrame | None,
+    margin: float,
+) -> list[str]:
+    """A sentence per baseline, and one each on what decides, how large gains are, and the claims or the best policy.
+
+    The tables are those of `gain_table`, `importance_table`, `leader_table` and `claim_table`; `margin` is the share of
+    the cost below which a difference does not matter.
+    """
+    names = {point.name for point in points if point.design == "space filling"}
+    combined = gains[gains["point"].isin(names)]
+    done = combined["point"].nunique()
+    opening = f"Of {len(names)} combinations of all {len(study.factors)} settings the digital human can perform {done}"
+    if done == 0:
+        return [f"{opening}, so there is nothing to compare."]
+    sentences = [_on_baseline(study, combined, baseline) for baseline in study.baselines]
+    sentences[0] = f"{opening}; {sentences[0]}"
+    sentences.append(_on_settings(study, importance))
+    sentences.append(_on_size(study, combined, margin))
+    sentences.append(_on_leaders(leaders[leaders["point"].isin(names)]) if claims is None else _on_claims(claims))
+    return [sentence[0].upper() + sentence[1:] for sentence in sentences]
+
+
+def at_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
+    """The rows of the headline's condition and length, all planners and baselines."""
+    return table[(table["condition"] == headline.condition) & (table["n_cycles"] == headline.n_cycles)]
+
+
+def percent(share: float) -> str:
+    """A share in per cent, with one decimal or, below 1 %, two significant digits; no zeros at the end, no -0."""
+    value = 100 * share
+    rounded = round(value, 1) if abs(value) >= 0.95 else float(f"{value:.2g}")
+    return f"{rounded + 0.0:.6g} %".replace("-", "−")
+
+
+def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) -> str:
+    headline = study.headline
+    here = at_headline(combined, headline)
+    here = here[here["baseline"] == baseline]
+    own = here[here["planner"] == headline.planner]
+    better, worse = (int((own["verdict"] == verdict).sum()) for verdict in ("better", "worse"))
+    others = [
+        f"{planner} in {(rows['verdict'] == 'better').sum()} (worse in {(rows['verdict'] == 'worse').sum()})"
+        for planner in study.planners
+        if planner != headline.planner
+        for rows in [here[here["planner"] == planner]]
+    ]
+    return (
+        f"{headline.planner} is significantly better than {baseline} in {better} of {len(own)} and worse in {worse} "
+        f"({headline.condition}, {headline.n_cycles} cycles; 95 % intervals, each for itself) and saves "
+        f"{percent(own['gain'].median())} of the cost in the median, {percent(own['gain'].min())} to "
+        f"{percent(own['gain'].max())} from one to another"
+        f"{'; significantly better are also ' + ', '.join(others) if others else ''}."
+    )
+
+
+def _on_settings(study: StudySettings, importance: pd.DataFrame) -> str:
+    headline = study.headline
+    here = at_headline(importance, headline)
+    here = here[(here["planner"] == headline.planner) & (here["baseline"] == study.baselines[0])]
+    seen = here[here["share_low"] > 0].iloc[:DECIDING]
+    if seen.empty:
+        return (
+            f"no setting alone is seen to decide how much {headline.planner} gains over {study.baselines[0]}: the 95 % "
+            f"interval of every share of the variance reaches 0."
+        )
+    named = ", ".join(
+        f"{row['factor']} ({percent(row['share'])} of the variance, {percent(row['share_low'])} to "
+        f"{percent(row['share_high'])}{_swing(row)})"
+        for _, row in seen.iterrows()
+    )
+    rest = here.drop(seen.index)["share"].max()
+    others = "" if pd.isna(rest) else f"; any other setting alone explains at most {percent(max(rest, 0.0))}"
+    chance = percent(here["chance"].iloc[0])
+    return (
+        f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}, and the chance of "
+        f"the runs at most {chance}."
+    )
+
+
+def _swing(row: pd.Series) -> str:
+    if not row["swing"] > 0:
+        return ""
+    return f"; alone it moves the gain by {percent(row['swing'])} from {row['least_at']} to {row['most_at']}"
+
+
+def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str:
+    planner, baseline = study.headline.planner, study.baselines[0]
+    own = combined[(combined["planner"] == planner) & (combined["baseline"] == baseline)]
+    within = int((own["gain_high"] < margin).sum())
+    most = own.sort_values("gain", kind="stable").iloc[-1]
+    return (
+        f"over all conditions and lengths {planner} saves less than {percent(margin)} of what {baseline} costs, by the "
+        f"upper end of the interval, in {within} of {len(own)} cells; most is saved at {most['point']}, "
+        f"{most['condition']}, {most['n_cycles']} cycles: {percent(most['gain'])} ({percent(most['gain_low'])} to "
+        f"{percent(most['gain_high'])})."
+    )
+
+
+def _on_leaders(leaders: pd.DataFrame) -> str:
+    counts = leaders["policy"].value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    named = ", ".join(f"{policy} in {count}" for policy, count in counts.items())
+    return f"of all policies, the least mean cost has {named} of {len(leaders)} cells."
+
+
+def _on_claims(claims: pd.DataFrame) -> str:
+    held = reproduced_share(claims)
+    points = int(claims.groupby("claim")["points"].sum().max())
+    return (
+        f"of the paper's claims {held.index[0]} is the most robust, reproduced at {percent(held.iloc[0])} of the "
+        f"{points} settings tried, and {held.index[-1]} the least, at {percent(held.iloc[-1])}."
+    )

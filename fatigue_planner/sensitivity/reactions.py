@@ -1,0 +1,85 @@
+"""The postural reactions of all points: each is found in the cache or simulated once, whatever the number of points."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from fatigue_planner.experiment.resolve import reaction_requests, worker_fatigue
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.cycle_map import CycleProfile, cycle_profile
+from fatigue_planner.files import DIGEST_LENGTH
+from fatigue_planner.reactions.cache import Outcome, ReactionCache
+from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest
+from fatigue_planner.sensitivity.design import Point
+
+Profiles = dict[ReactionName, CycleProfile]
+
+
+@dataclass(frozen=True)
+class Reacted:
+    """What a point's reactions come to: their profiles, or None and why some cannot be performed."""
+
+    point: Point
+    profiles: Profiles | None
+    reason: str = ""
+
+
+def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
+    """Every reaction that some point needs, once, the digest in its name instead of the point."""
+    found = {
+        request.digest: request
+        for point in points
+        if point.experiment is not None
+        for request in reaction_requests(point.experiment)
+    }
+    return [replace(request, name=_own_name(request)) for request in found.values()]
+
+
+def react(
+    study: str,
+    points: Sequence[Point],
+    cache: ReactionCache,
+    jobs: int,
+    progress: Callable[[Outcome], None],
+    command: str,
+) -> list[Reacted]:
+    """All points with the cycle profiles of their reactions.
+
+    Reactions not in the cache are simulated and kept there, in one library named after the study. A point one of whose
+    reactions fails has no profiles. One motion at a time is held in memory. `progress` hears of every reaction;
+    `command` is what the user ran, for messages. Raises OutputFolderError.
+    """
+    requests = unique_requests(points)
+    _, outcomes = cache.complete(study, requests, jobs, progress)
+    failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
+    good = [request for request in requests if request.digest not in failures]
+    if failures and good:
+        cache.complete(study, good, jobs, lambda _: None)
+    needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
+    reasons: dict[str, list[str]] = {}
+    for point in points:
+        if point.experiment is None:
+            continue
+        for request in reaction_requests(point.experiment):
+            needs.setdefault(request.digest, []).append((point, point.experiment, request.name))
+            if request.digest in failures:
+                reasons.setdefault(point.name, []).append(f"{request.name}: {failures[request.digest]}")
+    profiles: dict[str, Profiles] = {point.name: {} for point in points}
+    for reaction in cache.stream(study, good, command) if good else ():
+        for point, experiment, name in needs[reaction.digest]:
+            if point.name not in reasons:
+                parameters = worker_fatigue(experiment)[name.worker]
+                profiles[point.name][name] = cycle_profile(
+                    reaction.motion.torque_nm, reaction.motion.time_step_s, parameters
+                )
+    return [_reacted(point, profiles[point.name], reasons.get(point.name, [])) for point in points]
+
+
+def _reacted(point: Point, profiles: Profiles, reasons: list[str]) -> Reacted:
+    if point.experiment is None or reasons:
+        return Reacted(point, None, point.reason or " ".join(reasons))
+    order = [request.name for request in reaction_requests(point.experiment)]
+    return Reacted(point, {name: profiles[name] for name in order})
+
+
+def _own_name(request: ReactionRequest) -> ReactionName:
+    return request.name._replace(worker=f"{request.name.worker}_{request.digest[:DIGEST_LENGTH]}")
