@@ -56,12 +56,13 @@ def importance_text(study: Study, importance: pd.DataFrame) -> str:
             str(row["factor"]),
             _percent(row["share"]),
             f"{_percent(row['share_low'])} to {_percent(row['share_high'])}",
+            "–" if pd.isna(row["p_value"]) else f"{row['p_value']:.2g}",
             _percent(row["swing"]),
             f"{row['least_at']} → {row['most_at']}" if row["swing"] > 0 else "–",
         ]
         for _, row in here.iterrows()
     ]
-    header = ["gain over", "setting", "variance explained", "95 % interval", "swing alone", "least → most at"]
+    header = ["gain over", "setting", "variance explained", "95 % interval", "p", "swing alone", "least → most at"]
     return table(header, rows)
 
 
