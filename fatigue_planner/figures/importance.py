@@ -33,5 +33,5 @@ def importance_figure(table: pd.DataFrame, baselines: Sequence[str]) -> Figure:
     axes.set_yticks(range(len(factors)), [words(factor) for factor in factors])
     axes.invert_yaxis()
     axes.set_xlabel("variance of the gain that the setting alone explains, % (95 % bootstrap interval)")
-    axes.legend(frameon=False, loc="lower right")
+    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(baselines))
     return figure

@@ -15,6 +15,8 @@ Vector = NDArray[np.float64]
 
 RESAMPLES = 999
 INTERVAL = (0.025, 0.975)
+# Relative differences of this size are rounding.
+ROUNDING = 1e-9
 RESPONSE = ["condition", "n_cycles", "planner", "baseline"]
 
 
@@ -24,7 +26,8 @@ def importance_table(
     """One row per condition, length, planner, baseline and factor, the most important factor first.
 
     share: the share of the gain's variance over the combinations that the factor explains alone (see `shares`), with a
-    95 % bootstrap interval (share_low, share_high); NaN with too few combinations. swing: largest minus smallest gain
+    95 % bootstrap interval (share_low, share_high); NaN with too few combinations. p_value: whether the share is more
+    than chance, corrected for all factors (see `p_values`). swing: largest minus smallest gain
     over the factor's levels tried one at a time, the base experiment's among them; least_at and most_at: these levels.
     chance: the mean squared standard error of the gains as a share of their variance over the combinations, the most
     that the finite number of trials adds to it (less, as all combinations meet the same worlds).
@@ -37,14 +40,16 @@ def importance_table(
     errors = gains.pivot_table(index="point", columns=RESPONSE, values="standard_error", sort=False)
     with np.errstate(invalid="ignore", divide="ignore"):
         chance = (errors.reindex(names) ** 2).mean().reindex(responses.columns) / responses.loc[names].var()
+    designs = [factor.regressors([point.levels[name] for point in combined]) for name, factor in factors.items()]
+    chances = p_values(designs, values, stream(seed, "permutations")) if combined else None
     tables = []
-    for name, factor in factors.items():
+    for place, (name, regressors) in enumerate(zip(factors, designs, strict=True)):
         table = responses.columns.to_frame(index=False)
-        levels = [point.levels[name] for point in combined]
-        own = shares(factor.regressors(levels), values, stream(seed, "bootstrap", name)) if combined else None
+        own = shares(regressors, values, stream(seed, "bootstrap", name)) if combined else None
         table["factor"] = name
         for column, key in enumerate(("share", "share_low", "share_high")):
             table[key] = np.nan if own is None else own[column]
+        table["p_value"] = np.nan if chances is None else chances[place]
         table["chance"] = chance.to_numpy()
         tables.append(pd.concat([table, _swings(points, responses, name)], axis=1))
     # a stable sort on the share keeps the factors' order among those that have none
@@ -77,6 +82,42 @@ def shares(regressors: Matrix, values: Matrix, rng: np.random.Generator) -> Matr
     counts = rng.multinomial(n, np.full(n, 1 / n), size=RESAMPLES).astype(float)
     found[1:, varies] = np.nanquantile(_adjusted(design, centred[:, varies], counts), INTERVAL, axis=0)
     return found
+
+
+def p_values(designs: Sequence[Matrix], values: Matrix, rng: np.random.Generator) -> Matrix:
+    """How often chance explains as much, (factors, responses), for values (n, responses) and regressors (n, p) of each.
+
+    The values are permuted over the points, the same way for all factors. A factor's R^2 gets its rank among those of
+    the permuted values; the p-value is how often the best rank of all factors is as good, so that the chance of naming
+    any factor wrongly is kept (single-step min-P of Westfall and Young 1993). NaN where nothing varies.
+    """
+    n = len(values)
+    centred = values - values.mean(axis=0)
+    orders = np.vstack([np.arange(n), rng.permuted(np.tile(np.arange(n), (RESAMPLES, 1)), axis=1)])
+    permuted = centred[orders]  # (orders, n, responses)
+    ranks = np.empty((len(designs), len(orders), values.shape[1]))
+    for place, regressors in enumerate(designs):
+        basis = _basis(regressors - regressors.mean(axis=0))
+        explained = (np.einsum("np,bnr->bpr", basis, permuted) ** 2).sum(axis=1)
+        ranks[place] = _share_at_least(explained)
+    best = ranks.min(axis=0)
+    found = (best[:, None, :] <= ranks[:, 0, :]).mean(axis=0)
+    found[:, np.ptp(values, axis=0) <= ROUNDING * np.abs(values).max(axis=0)] = np.nan
+    return np.asarray(found)
+
+
+def _basis(regressors: Matrix) -> Matrix:
+    """Orthonormal columns that span those of the regressors (n, p), of which some may depend on others."""
+    left, sizes, _ = np.linalg.svd(regressors, full_matrices=False)
+    return np.asarray(left[:, sizes > ROUNDING * max(sizes.max(initial=0.0), 1.0)])
+
+
+def _share_at_least(statistics: Matrix) -> Matrix:
+    """For each of the statistics (orders, responses) the share of those of its response that are not smaller."""
+    rounded = statistics * (1 + ROUNDING)  # equal but for rounding is as large
+    ascending = np.sort(rounded, axis=0)
+    smaller = [np.searchsorted(ascending[:, column], statistics[:, column]) for column in range(statistics.shape[1])]
+    return np.asarray(1 - np.column_stack(smaller) / len(statistics))
 
 
 def _adjusted(design: Matrix, values: Matrix, counts: Matrix) -> Matrix:

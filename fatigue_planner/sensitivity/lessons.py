@@ -7,6 +7,7 @@ import pandas as pd
 from fatigue_planner.sensitivity.design import Point
 from fatigue_planner.sensitivity.robustness import reproduced_share
 from fatigue_planner.sensitivity.settings import Headline, StudySettings
+from fatigue_planner.statistics.settings import StatisticsSettings
 
 DECIDING = 3
 
@@ -18,12 +19,12 @@ def lessons(
     importance: pd.DataFrame,
     leaders: pd.DataFrame,
     claims: pd.DataFrame | None,
-    margin: float,
+    statistics: StatisticsSettings,
 ) -> list[str]:
     """A sentence per baseline, and one each on what decides, how large gains are, and the claims or the best policy.
 
-    The tables are those of `gain_table`, `importance_table`, `leader_table` and `claim_table`; `margin` is the share of
-    the cost below which a difference does not matter.
+    The tables are those of `gain_table`, `importance_table`, `leader_table` and `claim_table`; `statistics` has the
+    level and the margin.
     """
     names = {point.name for point in points if point.design == "space filling"}
     combined = gains[gains["point"].isin(names)]
@@ -33,8 +34,8 @@ def lessons(
         return [f"{opening}, so there is nothing to compare."]
     sentences = [_on_baseline(study, combined, baseline) for baseline in study.baselines]
     sentences[0] = f"{opening}; {sentences[0]}"
-    sentences.append(_on_settings(study, importance))
-    sentences.append(_on_size(study, combined, margin))
+    sentences.append(_on_settings(study, importance, statistics.significance_level))
+    sentences.append(_on_size(study, combined, statistics.equivalence_margin))
     sentences.append(_on_leaders(leaders[leaders["point"].isin(names)]) if claims is None else _on_claims(claims))
     return [sentence[0].upper() + sentence[1:] for sentence in sentences]
 
@@ -72,15 +73,15 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
     )
 
 
-def _on_settings(study: StudySettings, importance: pd.DataFrame) -> str:
+def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -> str:
     headline = study.headline
     here = at_headline(importance, headline)
     here = here[(here["planner"] == headline.planner) & (here["baseline"] == study.baselines[0])]
-    seen = here[here["share_low"] > 0].iloc[:DECIDING]
+    seen = here[here["p_value"] < level].iloc[:DECIDING]
     if seen.empty:
         return (
-            f"no setting alone is seen to decide how much {headline.planner} gains over {study.baselines[0]}: the 95 % "
-            f"interval of every share of the variance reaches 0."
+            f"no setting alone is seen to decide how much {headline.planner} gains over {study.baselines[0]}: none "
+            f"explains more of it than chance might (permutations, all settings together, at {percent(level)})."
         )
     named = ", ".join(
         f"{row['factor']} ({percent(row['share'])} of the variance, {percent(row['share_low'])} to "

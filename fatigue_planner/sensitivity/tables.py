@@ -51,8 +51,7 @@ def study_tables(
     leaders = leader_table(trials)
     importance = importance_table(points, gains, settings.factors, settings.space_filling.seed)
     claims = None if verdicts_of is None else claim_table(trials, verdicts_of)
-    margin = study.base.statistics.equivalence_margin
-    sentences = lessons(settings, points, gains, importance, leaders, claims, margin)
+    sentences = lessons(settings, points, gains, importance, leaders, claims, study.base.statistics)
     return StudyTables(_factor_table(study), _point_table(reacted), gains, leaders, importance, claims, sentences)
 
 

@@ -6,7 +6,7 @@ import pandas as pd
 
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Block, Picture, Points, Section, Table, Text
-from fatigue_planner.reports.html.words import listing
+from fatigue_planner.reports.html.words import listing, significant
 from fatigue_planner.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.sensitivity.lessons import at_headline, percent
 from fatigue_planner.statistics.rows import records
@@ -33,17 +33,19 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
     rows = [
         [
             words(row["baseline"]), words(row["factor"]), _share(row["share"]),
-            f"{_share(row['share_low'])} to {_share(row['share_high'])}" if row["share_low"] == row["share_low"] else "–",
-            _share(row["swing"]), f"{words(row['least_at'])} → {words(row['most_at'])}" if row["swing"] > 0 else "–",
+            "–" if pd.isna(row["share_low"]) else f"{_share(row['share_low'])} to {_share(row['share_high'])}",
+            "–" if pd.isna(row["p_value"]) else significant(row["p_value"], 2), _share(row["swing"]),
+            f"{words(row['least_at'])} → {words(row['most_at'])}" if row["swing"] > 0 else "–",
         ]
         for row in records(here.fillna({"least_at": "", "most_at": ""}))
     ]  # fmt: skip
     caption = (
         f"What `{headline.planner}` gains over each baseline ({words(headline.condition)}, {headline.n_cycles} "
         "cycles), and which settings decide it: the share of the gain's variance over all combinations that a setting "
-        "explains alone, with a 95 % bootstrap interval, and how far it moves the gain alone (largest minus smallest)."
+        "explains alone, with a 95 % bootstrap interval and p corrected for all settings (permutations), and how far "
+        "it moves the gain alone (largest minus smallest)."
     )
-    header = ["gain over", "setting", "variance explained", "interval", "swing alone", "least → most at"]
+    header = ["gain over", "setting", "variance explained", "interval", "p", "swing alone", "least → most at"]
     table = Table(caption, header, rows, f"{where}importance.csv")
     return [table, *(_picture(study, name, where) for name in study.figures)]
 
