@@ -400,8 +400,8 @@ def test_claims_are_counted_over_points(study: Study, synthetic: Any) -> None:
     assert reproduced_share(claims).to_dict() == {"first": 1.0, "second": 0.5}
     last = sentences(study, synthetic, synthetic[1], claims)[-1]
     assert last == (
-        "Of the paper's claims first is the most robust, reproduced at 100 % of the 2 settings tried, and second the "
-        "least, at 50 %."
+        "Of 2 claims of the paper 1 are reproduced at more than half of the 2 settings tried and 0 at none; the most "
+        "robust, first, is at 100 %."
     )
 
 

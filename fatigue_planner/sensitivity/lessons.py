@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from fatigue_planner.sensitivity.design import Point
-from fatigue_planner.sensitivity.robustness import reproduced_share
+from fatigue_planner.sensitivity.robustness import ANALYSES, reproduced_share
 from fatigue_planner.sensitivity.settings import Headline, StudySettings
 from fatigue_planner.statistics.settings import StatisticsSettings
 
@@ -124,8 +124,9 @@ def _on_leaders(leaders: pd.DataFrame) -> str:
 
 def _on_claims(claims: pd.DataFrame) -> str:
     held = reproduced_share(claims)
-    points = int(claims.groupby("claim")["points"].sum().max())
+    points = int(round(claims[claims["analysis"] == ANALYSES[0]].groupby("claim")["points"].sum().max()))
+    often, never = int((held > 0.5).sum()), int((held == 0).sum())
     return (
-        f"of the paper's claims {held.index[0]} is the most robust, reproduced at {percent(held.iloc[0])} of the "
-        f"{points} settings tried, and {held.index[-1]} the least, at {percent(held.iloc[-1])}."
+        f"of {len(held)} claims of the paper {often} are reproduced at more than half of the {points} settings tried "
+        f"and {never} at none; the most robust, {held.index[0]}, is at {percent(held.iloc[0])}."
     )
