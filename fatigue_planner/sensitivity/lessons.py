@@ -124,7 +124,7 @@ def _on_leaders(leaders: pd.DataFrame) -> str:
 
 def _on_claims(claims: pd.DataFrame) -> str:
     held = reproduced_share(claims)
-    points = int(round(claims[claims["analysis"] == ANALYSES[0]].groupby("claim")["points"].sum().max()))
+    points = int(claims[claims["analysis"] == ANALYSES[0]].groupby("claim")["points"].sum().max())
     often, never = int((held > 0.5).sum()), int((held == 0).sum())
     return (
         f"of {len(held)} claims of the paper {often} are reproduced at more than half of the {points} settings tried "
