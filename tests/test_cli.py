@@ -193,7 +193,7 @@ def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cach
     table.write_text(table.read_text().replace("-0.0", "-0.1", 1))
     assert "is not what was written" in refused(4, "figures", experiment, *folders)
     table.write_text(table.read_text().replace("-0.1", "-0.o", 1))
-    assert "is not a table of trials" in refused(4, "figures", experiment, *folders)
+    assert "is not one of our tables" in refused(4, "figures", experiment, *folders)
 
 
 def test_the_readmes_workstation_runs(tmp_path: Path) -> None:

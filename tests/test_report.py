@@ -71,7 +71,9 @@ def made(small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_p
     file = tmp_path_factory.mktemp("experiment") / "mine.yaml"
     file.write_text(PAPER.read_text())
     gallery = Gallery(folder)
-    return report(material(small, reactions, folder), gallery, file, ["fatplan simulate", "fatplan report"]), gallery
+    return report(
+        material(small, reactions, folder), gallery, file, ["fatplan simulate", "fatplan report"], None
+    ), gallery
 
 
 def test_the_page_stands_alone(made: tuple[str, Gallery]) -> None:
@@ -103,7 +105,9 @@ def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
     before = {path.name: path.read_bytes() for path in folder.glob("*.csv")}
     file = tmp_path / "mine.yaml"
     file.write_text(PAPER.read_text())
-    again = report(material(small, reactions, folder), Gallery(folder), file, ["fatplan simulate", "fatplan report"])
+    again = report(
+        material(small, reactions, folder), Gallery(folder), file, ["fatplan simulate", "fatplan report"], None
+    )
     assert again == made[0]
     assert {path.name: path.read_bytes() for path in folder.glob("*.csv")} == before
 
@@ -115,7 +119,9 @@ def test_the_page_says_what_the_tables_say(
     other = selected(small, Selection(None, None, None, None, None, 1))
     elsewhere = folder / "other"
     publish(other, reactions, elsewhere)
-    text = report(material(other, reactions, elsewhere), Gallery(elsewhere), PAPER.with_name("planners.yaml"), ["x"])
+    text = report(
+        material(other, reactions, elsewhere), Gallery(elsewhere), PAPER.with_name("planners.yaml"), ["x"], None
+    )
     assert "seed 1." in text and "seed 2023." in made[0]
     trials = pd.read_csv(folder / "trials.csv")
     mean = trials[trials["policy"] == "alternating"].groupby("condition")["discounted_return"].mean()["single_novice"]
@@ -132,7 +138,7 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
         "    conditions: [single_novice]\n    n_cycles: [5]\n    relation: better_mean\n"
         "    policies: [greedy]\n    others: [alternating]\n"
     )
-    text = report(material(small, reactions, folder), Gallery(tmp_path), file, [])
+    text = report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
     assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
 
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -202,25 +203,31 @@ def test_the_published_study_is_sound() -> None:
         assert {f"benchmark.policies.{name}.{key}" for name in searches} <= set(study.paths)
 
 
-def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, cache_folder: Path) -> None:
+@pytest.fixture
+def own_cache(cache_folder: Path, tmp_path: Path) -> Path:
+    """A copy of the paper's reactions, to which a study adds its own."""
+    return Path(shutil.copytree(cache_folder, tmp_path / "own_cache"))
+
+
+def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, own_cache: Path) -> None:
     """A man too short for the object on the shelf, by geometry; another by simulation."""
     short = span("range", 0.5, 3.0, "actions.high.right_hand.position_m.x")
     study = load_study(write(tmp_path, short | {"space_filling": {"points": 2, "seed": 1}}))
     points = [point for point in design(study) if point.design != "space filling"]
     assert [point.experiment is None for point in points] == [False, False, True, True]
     assert "together measure" in points[3].reason
-    reacted = react("tiny", points, ReactionCache(cache_folder), 2, lambda _: None, "again")
+    reacted = react("tiny", points, ReactionCache(own_cache), 2, lambda _: None, "again")
     assert len(reacted) == len(points)
     assert [one.profiles is None for one in reacted] == [False, True, True, True]
     assert "average_man/high/" in reacted[1].reason and reacted[3].reason == points[3].reason
     assert set(StudyGrid(reacted).of_point) == {"base"}
 
 
-def test_reactions_and_cells_in_common_are_made_once(study: Study, cache_folder: Path) -> None:
+def test_reactions_and_cells_in_common_are_made_once(study: Study, own_cache: Path) -> None:
     points = design(study)
     assert len(unique_requests(points)) == 4  # no factor of this study changes a motion
     heard: list[bool] = []
-    reacted = react("tiny", points, ReactionCache(cache_folder), 1, lambda one: heard.append(one.found), "again")
+    reacted = react("tiny", points, ReactionCache(own_cache), 1, lambda one: heard.append(one.found), "again")
     assert heard == [True] * 4
     grid = StudyGrid(reacted)
     assert all(len(places) == 4 for places in grid.of_point.values())
@@ -414,7 +421,7 @@ def test_percent(share: float, text: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, cache_folder: Path) -> None:
+def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, own_cache: Path) -> None:
     from test_cli import fatplan, refused
 
     few = dict(STUDY["factors"])
@@ -424,7 +431,7 @@ def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, cache_fo
     path = write(tmp_path, {"factors": few, "base": "paper.yaml"})
     runs = {}
     for name, jobs in (("one", 1), ("two", 2)):
-        done = fatplan("sensitivity", path, "--cache", cache_folder, "--results", tmp_path / name, "--jobs", jobs)
+        done = fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name, "--jobs", jobs)
         assert done.returncode == 0, done.stderr
         assert (
             done.stdout.startswith("1. Of 4 combinations of all 3 settings") and "different cells: about" in done.stderr
@@ -437,7 +444,7 @@ def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, cache_fo
             for part in sorted((folder / "parts").iterdir())[::2]:
                 for file in part.iterdir():
                     file.unlink()
-            again = fatplan("sensitivity", path, "--cache", cache_folder, "--results", tmp_path / name)
+            again = fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name)
             assert again.returncode == 0 and again.stdout == done.stdout
             assert runs[name] == {file: (folder / file).read_bytes() for file in runs[name]}
     assert runs["one"] == runs["two"]
