@@ -367,3 +367,63 @@ def test_claims_refuse_tables_that_are_not_the_experiments(results: Path, tmp_pa
     )
     assert "was made with other settings (discount)" in refused(2, "claims", claims, "--results", results.parent)
     assert "No such file" in refused(2, "claims", tmp_path / "none.yaml")
+
+
+def test_the_report_is_written_from_the_published_tables(results: Path, cache_folder: Path, tmp_path: Path) -> None:
+    """It changes no table, comes out the same twice, and judges the claims that lie beside the experiment."""
+    folder = Path(shutil.copytree(results.parent, tmp_path / "results"))
+    claims = (PAPER.parent / "paper_claims.yaml").read_text()
+    (folder / "paper_claims.yaml").write_text(claims)
+    before = {name: (folder / "paper" / name).read_bytes() for name in ("trials.csv", "actions.csv", "contrasts.csv")}
+    command = ["report", folder / "paper.yaml", "--cache", cache_folder, "--results", folder]
+    pages = []
+    for _ in range(2):
+        done = fatplan(*command)
+        assert done.returncode == 0, done.stderr
+        pages.append((folder / "paper" / "report.html").read_bytes())
+    assert pages[0] == pages[1] and len(pages[0]) < 10e6
+    assert before == {name: (folder / "paper" / name).read_bytes() for name in before}
+    assert b"not_significantly" not in pages[0] and b"For a novice user, with n_cycles = 5" in pages[0]
+    assert b"Not measured: <code>fatplan benchmark --regret --bound</code>" in pages[0]
+    noted = json.loads((folder / "paper" / "manifest.json").read_text())["report"]["sha256"]
+    assert {"report.html", "figure5a.svg", "estimates.csv", "cycle_maps.csv", "actions_taken.png"} <= set(noted)
+
+    trials = folder / "paper" / "trials.csv"
+    text = trials.read_text()
+    trials.write_text("\n".join([*text.splitlines()[:-1], text.splitlines()[1]]) + "\n")
+    assert "stands twice: single_novice/5/random/0" in refused(4, *command)
+    trials.write_text(text.replace("random,2,", "random,7,"))
+    assert "belong to no cell of the experiment: " in refused(4, *command)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
+def test_a_browser_shows_the_report_without_a_complaint(results: Path, cache_folder: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(results.parent, tmp_path / "results"))
+    done = fatplan("report", folder / "paper.yaml", "--cache", cache_folder, "--results", folder)
+    assert done.returncode == 0, done.stderr
+    picture, page = tmp_path / "page.png", folder / "paper" / "report.html"
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--window-size=1100,9000"]
+    command = [
+        "chromium",
+        *options,
+        f"--user-data-dir={tmp_path / 'profile'}",
+        f"--screenshot={picture}",
+        page.as_uri(),
+    ]
+    shown = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    assert "CONSOLE" not in shown.stderr and picture.stat().st_size > 100_000
+
+
+def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: Path) -> None:
+    grid = ["--cycles", 5, "--conditions", "single_expert", "--policies", "greedy", "--seed", 9]
+    done = fatplan("benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path, *grid)
+    assert done.returncode == 0, done.stderr
+    (other,) = tmp_path.glob("paper_*")
+    done = fatplan("compare", results, other, "--save", tmp_path / "side" / "by_side.html")
+    assert done.returncode == 0, done.stderr
+    assert "benchmark.seed: 2023, 9" in done.stdout and "The versions are the same." in done.stdout
+    assert "0.00\u00a0%" in done.stdout  # an expert's greedy robot is the same with every seed
+    assert (tmp_path / "side" / "by_side.html").exists() and (tmp_path / "side" / "compare.csv").exists()
+    assert "there is no such table" in refused(2, "compare", results, tmp_path / "nowhere")
+    assert "must end in .html" in refused(2, "compare", results, other, "--save", tmp_path / "x.txt")
