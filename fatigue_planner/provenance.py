@@ -6,7 +6,9 @@ import platform
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ConfigDict
 
 from fatigue_planner import __version__
 from fatigue_planner.errors import DamagedFileError
@@ -37,20 +39,35 @@ def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any
     publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
 
 
-def read_note(folder: Path, made_by: str, command: str) -> dict[str, Any]:
-    """What a command noted of the files it made in a folder. Raises DamagedFileError if there is no such note."""
+class Note(BaseModel):
+    """What a command noted of the files it made in a folder."""
+
+    model_config = ConfigDict(frozen=True)
+
+    versions: dict[str, str]
+    sha256: dict[str, str]
+    reactions: dict[str, str]
+
+
+N = TypeVar("N", bound=Note)
+
+
+def read_note(folder: Path, made_by: str, kind: type[N], command: str) -> N:
+    """The note of a command. Raises DamagedFileError if there is none, or none that this version understands."""
+    path = folder / MANIFEST_FILE
     try:
-        note = json.loads((folder / MANIFEST_FILE).read_text(encoding="utf-8"))[made_by]
-        if isinstance(note, dict) and isinstance(note["sha256"], dict):
-            return note
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
-    raise DamagedFileError(f"{folder / MANIFEST_FILE}: does not say how its tables were made. Run `{command}`.")
+        return kind.model_validate(json.loads(path.read_text(encoding="utf-8"))[made_by])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise DamagedFileError(
+            f"{path}: does not say, as this version does, how files were made. Run `{command}`."
+        ) from error
 
 
-def check_intact(folder: Path, note: Mapping[str, Any], file: str, command: str) -> None:
+def check_intact(folder: Path, note: Note, file: str, command: str) -> None:
     """Raise DamagedFileError unless a file is what was written when the note was made."""
-    if file not in note["sha256"]:
-        raise DamagedFileError(f"{folder / MANIFEST_FILE}: does not say how {file} was made. Run `{command}`.")
-    if note["sha256"][file] != hashlib.sha256((folder / file).read_bytes()).hexdigest():
+    try:
+        digest = hashlib.sha256((folder / file).read_bytes()).hexdigest()
+    except OSError as error:
+        raise DamagedFileError(f"{folder / file}: cannot be read ({error.strerror}). Run `{command}`.") from error
+    if note.sha256.get(file) != digest:
         raise DamagedFileError(f"{folder / file}: is not what was written; it was altered or damaged. Run `{command}`.")

@@ -25,5 +25,6 @@ def seal(experiment: Experiment, folder: Path) -> None:
         "experiment": experiment.plain(),
         "reactions": digests(reaction_requests(experiment)),
         "seed": experiment.benchmark.seed,
+        "references": {},
     }
     publish_manifest(folder, "benchmark", note, [folder / TRIALS_FILE, folder / ACTIONS_FILE])

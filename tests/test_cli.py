@@ -393,7 +393,7 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     trials.write_text("\n".join([*text.splitlines()[:-1], text.splitlines()[1]]) + "\n")
     assert "stands twice: single_novice/5/random/0" in refused(4, *command)
     trials.write_text(text.replace("random,2,", "random,7,"))
-    assert "belong to no cell of the experiment: " in refused(4, *command)
+    assert "rows are in no cell of the experiment: " in refused(4, *command)
 
 
 @pytest.mark.slow
@@ -424,6 +424,6 @@ def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: 
     assert done.returncode == 0, done.stderr
     assert "benchmark.seed: 2023, 9" in done.stdout and "The versions are the same." in done.stdout
     assert "0.00\u00a0%" in done.stdout  # an expert's greedy robot is the same with every seed
-    assert (tmp_path / "side" / "by_side.html").exists() and (tmp_path / "side" / "compare.csv").exists()
+    assert (tmp_path / "side" / "by_side.html").exists() and (tmp_path / "side" / "by_side.csv").exists()
     assert "there is no such table" in refused(2, "compare", results, tmp_path / "nowhere")
     assert "must end in .html" in refused(2, "compare", results, other, "--save", tmp_path / "x.txt")

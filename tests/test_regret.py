@@ -87,6 +87,15 @@ def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_pa
     assert len({own.digest(), own.cell.digest(), deeper.digest()}) == 3
 
 
+def test_regret_of_other_actions_is_measured_again(situations: dict[str, Situation], tmp_path: Path) -> None:
+    """A policy with a time budget may act otherwise when its runs are made again."""
+    own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
+    other = replace(own, actions={trial: tuple(1 - action for action in own.actions[trial]) for trial in own.actions})
+    (first,), _ = run_grid([own], tmp_path, 1, lambda _job, _n: None)
+    (second,), _ = run_grid([other], tmp_path, 1, lambda _job, _n: None)
+    assert second == other.run(range(3)) and all(second[trial] != first[trial] for trial in first)
+
+
 def test_the_judge_believes_what_the_policy_could(situations: dict[str, Situation]) -> None:
     """Which of three states a run began in shows only in what was observed: the judge follows it."""
     one = situations["multiple_novice"]
@@ -176,7 +185,7 @@ def test_gaps_in_words(tmp_path: Path) -> None:
     single = gap_table(comparison_table(trials[trials["trial"] == 0], 0.05), bounds)
     assert single["standard_error"].isna().all() and "above that, one run" in gap_text(single, [])
     publish_bounds(tmp_path, table)
-    assert (tmp_path / BOUNDS_FILE).read_text().startswith("condition,n_cycles,cost_bound,exact,policy,gap")
+    assert (tmp_path / BOUNDS_FILE).read_text().startswith("condition,n_cycles,policy,cost_bound,exact,gap")
 
 
 @pytest.mark.parametrize("expertise", [0.0, 5000.0, math.inf])

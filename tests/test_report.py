@@ -10,14 +10,17 @@ import pytest
 from conftest import PAPER
 from published import COMMAND, publish
 
-from fatigue_planner.experiment.resolve import cycle_profiles
+from fatigue_planner.errors import ClaimsError
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.results import courses, load_results
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, selected
 from fatigue_planner.fatigue.joint_groups import JOINT_GROUPS, highest_fatigue
 from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.figures.estimates import estimate_table
 from fatigue_planner.figures.fatigue_course import fatigue_table
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.reports.html.blocks import Code, Picture, Points, Section, Table, Text
 from fatigue_planner.reports.html.page import page
 from fatigue_planner.reports.html.words import listing, percent, percent_range, significant
@@ -27,6 +30,7 @@ from fatigue_planner.reports.results.material import Material
 from fatigue_planner.reports.results.report import report
 from fatigue_planner.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.reports.results.sections.settings import origins
+from fatigue_planner.reports.study.finished import study_of
 
 
 class Page(HTMLParser):
@@ -94,9 +98,9 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, Gallery]) -> N
     assert len(images) >= 7
     assert all(len(str(image["alt"])) > 40 for image in images)
     files = {str(attributes["href"]) for _, attributes in read.tags if str(attributes.get("href", "")).endswith(".csv")}
-    for file in files - {"bounds.csv"}:
+    for file in files:
         assert (gallery.folder / file).stat().st_size > 0, file
-    assert {path.name for path in gallery.files if path.suffix == ".csv"} <= files | {"cycle_maps.csv"}
+    assert {path.name for path in gallery.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
 
 
 def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
@@ -140,6 +144,51 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
     )
     text = report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
     assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
+
+
+def test_claims_about_another_experiment_are_refused(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(PAPER.read_text())
+    (tmp_path / "other.yaml").write_text(PAPER.read_text())
+    text = PAPER.with_name("paper_claims.yaml").read_text().replace("experiment: paper.yaml", "experiment: other.yaml")
+    (tmp_path / "mine_claims.yaml").write_text(text)
+    with pytest.raises(ClaimsError, match=r"experiment: is .*other.yaml; should be mine.yaml"):
+        report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
+
+
+def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    one = material(small, reactions, folder)
+    table = estimate_table(one.contrasts, one.results.trials, "greedy").set_index("condition")
+    cost = -one.results.trials.groupby(["condition", "policy"])["discounted_return"].mean()
+    for condition in small.benchmark.conditions:
+        expected = cost[condition, "alternating"] / cost[condition, "greedy"] - 1
+        assert table.loc[condition, "extra_cost_share"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, tmp_path: Path) -> None:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    (folder / "lessons.txt").write_text("Planning pays.\n")
+    headline = {"planner": "greedy", "condition": "single_novice", "n_cycles": 5}
+    note = {
+        "study": {"name": "study", "baselines": ["random"], "headline": headline}, "experiment": paper.plain(),
+        "seed": 1, "figures": [], "reactions": digests(reaction_requests(paper)),
+    }  # fmt: skip
+    publish_manifest(folder, "sensitivity", note, [folder / "lessons.txt"])
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "manifest.json").write_text('{"sensitivity": {}}')
+    found = study_of(paper, tmp_path)
+    assert found is not None and found.lessons == ["Planning pays."]
+    assert study_of(paper.model_copy(update={"discount": 0.9}), tmp_path) is None
+    publish_manifest(folder, "sensitivity", note | {"reactions": {"a": "other"}}, [folder / "lessons.txt"])
+    assert study_of(paper, tmp_path) is None
+
+
+def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    text = compare_text(compare(folder, folder))
+    assert text.count("the same in every run") == 6 and "The settings are the same." in text and "n/a" not in text
 
 
 def test_blocks_are_escaped_and_numbered() -> None:

@@ -1,5 +1,6 @@
 """Published tables are checked row by row before anything is made of them."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -7,13 +8,15 @@ import pandas as pd
 import pytest
 from published import COMMAND, publish, seal
 
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.benchmark.table import ACTIONS_FILE, TRIALS_FILE
 from fatigue_planner.errors import DamagedFileError, FatplanError, MissingTableError, StaleTableError
-from fatigue_planner.experiment.resolve import cycle_profiles
-from fatigue_planner.experiment.results import courses, load_results
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.results import courses, load_folder, load_results
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, selected
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.provenance import publish_manifest
+from fatigue_planner.reactions.reaction import Reaction, digests
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +51,11 @@ def test_courses_come_to_the_returns_of_the_table(
     [
         (lambda lines: [*lines, lines[3]], "stands twice: single_novice/5/random/2"),
         (lambda lines: [*lines[:2], *lines[4:]], "2 rows are missing: single_novice/5/random/1, .*/2"),
-        (lambda lines: [*lines, lines[1].replace("novice", "nobody")], "belong to no cell .*single_nobody/5/random/0"),
-        (lambda lines: [*lines, lines[1].replace("random,0", "random,9")], "belong to no cell .*random/9"),
+        (
+            lambda lines: [*lines, lines[1].replace("novice", "nobody")],
+            "1 row is in no cell .*single_nobody/5/random/0",
+        ),
+        (lambda lines: [*lines, lines[1].replace("random,0", "random,9")], "1 row is in no cell .*random/9"),
         (lambda lines: [*lines[:1], lines[1].replace("-0.0", "-0.1"), *lines[2:]], "altered or damaged"),
     ],
     ids=["twice", "missing", "foreign", "too many", "altered"],
@@ -102,3 +108,51 @@ def test_what_is_not_there_is_said(small: Experiment, folder: Path, tmp_path: Pa
         (folder / name).unlink()
         with pytest.raises(error, match="Run `fatplan benchmark`"):
             load_results(small, folder, COMMAND)
+
+
+def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    grid = cells(small, cycle_profiles(small, reactions))
+    rows = [(one.condition, 5, one.policy, 0.001, True, 0.1, float("nan"), 4) for one in grid]
+    columns = ["condition", "n_cycles", "policy", "cost_bound", "exact", "gap", "standard_error", "trials"]
+    path = folder / BOUNDS_FILE
+    pd.DataFrame(rows, columns=columns).to_csv(path, index=False)
+    seal(small, folder)
+    with pytest.raises(DamagedFileError, match=r"bounds.csv: is not what was written.*Run `fatplan benchmark --bound`"):
+        load_results(small, folder, COMMAND)  # the note does not speak of it
+    note = {"experiment": small.plain(), "reactions": digests(reaction_requests(small)), "seed": 1, "references": {}}
+    publish_manifest(folder, "benchmark", note, [folder / name for name in (TRIALS_FILE, ACTIONS_FILE, BOUNDS_FILE)])
+    found = load_results(small, folder, COMMAND)
+    assert found.bounds is not None and found.options == " --bound" and len(found.bounds) == len(grid)
+    for change, message in (
+        (lambda lines: [*lines, lines[1]], "stands twice: single_novice/5/random"),
+        (lambda lines: lines[:-1], "1 row is missing: multiple_novice/5/greedy"),
+        (
+            lambda lines: [*lines, lines[1].replace("random", "chance")],
+            "1 row is in no cell .*: single_novice/5/chance",
+        ),
+        (lambda lines: [lines[0], lines[1].replace("0.001", "")], "not one of our tables"),
+        (lambda lines: [""], "not one of our tables"),
+    ):
+        whole = path.read_text()
+        alter(path, change)
+        with pytest.raises(DamagedFileError, match=message):
+            load_results(small, folder, COMMAND)
+        path.write_text(whole)
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(DamagedFileError, match="not one of our tables"):
+        load_results(small, folder, COMMAND)
+
+
+@pytest.mark.parametrize("missing", ["versions", "references", "experiment", "seed", "sha256", "reactions"])
+def test_a_manifest_of_another_version_is_one_clear_message(small: Experiment, folder: Path, missing: str) -> None:
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    for value in (None, [], "x"):
+        manifest["benchmark"][missing] = value
+        path.write_text(json.dumps(manifest))
+        with pytest.raises(DamagedFileError, match="does not say, as this version does, how files were made"):
+            load_results(small, folder, COMMAND)
+    del manifest["benchmark"][missing]
+    path.write_text(json.dumps(manifest))
+    with pytest.raises(DamagedFileError, match="does not say"):
+        load_folder(folder)

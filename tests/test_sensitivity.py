@@ -386,7 +386,7 @@ def test_five_sentences_follow_from_the_tables(study: Study, synthetic: Any) -> 
     changed = sentences(study, synthetic, gone)
     assert "can perform 30; planning is significantly better than greedy in 29 of 30 and worse in 1" in changed[0]
     most = gains[gains["point"].str.startswith("c")].sort_values("gain").iloc[-1]
-    assert f"most is saved at {most['point']}," in text[3] and percent(most["gain"]) in text[3]
+    assert f"the largest gain is at {most['point']}," in text[3] and percent(most["gain"]) in text[3]
     alone = gains[~gains["point"].str.startswith("c")]
     assert sentences(study, synthetic, alone) == [
         "Of 32 combinations of all 3 settings the digital human can perform 0, so there is nothing to compare."

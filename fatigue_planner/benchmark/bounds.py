@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.table import read_keyed
 from fatigue_planner.bounds.cost_bound import CostBound, cost_lower_bound
 from fatigue_planner.files import (
     DIGEST_LENGTH,
@@ -20,6 +21,8 @@ from fatigue_planner.parallel import run_parallel
 from fatigue_planner.pomdp.situation import Situation
 
 BOUNDS_FILE = "bounds.csv"
+CELL = ["condition", "n_cycles", "policy"]
+BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
 SOURCES = ("bounds", "fatigue", "pomdp")
 
 Place = tuple[str, int]
@@ -68,9 +71,14 @@ def run_bounds(cells: Sequence[Cell], folder: Path, jobs: int, progress: Callabl
     return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"])
 
 
+def read_bounds(folder: Path, command: str) -> pd.DataFrame:
+    """bounds.csv, which `command` makes: one row per cell whose worker is known. Raises as `table.read_table`."""
+    return read_keyed(folder / BOUNDS_FILE, CELL, BOUND_COLUMNS, command, may_be_empty=["standard_error"])
+
+
 def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
     """Write bounds.csv."""
-    publish_text(folder / BOUNDS_FILE, table.to_csv(index=False, lineterminator="\n"))
+    publish_text(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS].to_csv(index=False, lineterminator="\n"))
 
 
 def _path(folder: Path, situation: Situation, place: Place) -> Path:

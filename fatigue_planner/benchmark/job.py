@@ -36,6 +36,10 @@ class Job(ABC, Generic[T]):
     def result_of(self, row: Mapping[str, Any]) -> T:
         """The result that a file holds as JSON values. Raises KeyError, TypeError or ValueError if it is none."""
 
+    def accepts(self, trial: int, result: T) -> bool:
+        """Whether a result found is of what the job is about now; else it is done again."""
+        return True
+
     @abstractmethod
     def outcome(self, result: T) -> tuple[Any, ...]:
         """What must be equal when a trial is repeated; times never are."""

@@ -30,11 +30,13 @@ class Regret:
         Langford 2002). The reference, like the policies, does not know when the run ends: at the end of a short
         run it gives up some return for a future that is not counted.
     agreement: share of the decisions that lose nothing
+    judged: digest of the actions
     """
 
     decision_loss: float
     run_loss: float
     agreement: float
+    judged: str
 
 
 @dataclass(frozen=True)
@@ -71,6 +73,10 @@ class Judgement(Job[Regret]):
         """See Job.result_of."""
         return Regret(**row)
 
+    def accepts(self, trial: int, result: Regret) -> bool:
+        """See Job.accepts: a policy with a time budget may act otherwise when it is run again."""
+        return result.judged == digest_of(list(self.actions[trial]))
+
     def outcome(self, result: Regret) -> tuple[Any, ...]:
         """See Job.outcome."""
         return result.decision_loss, result.run_loss, result.agreement
@@ -88,4 +94,5 @@ class Judgement(Job[Regret]):
             losses[cycle] = loss if loss > ROUNDING * abs(values.max()) else 0.0
             belief = belief.update(action, seen, rng)
         weights = cell.situation.model.discount ** np.arange(len(actions))
-        return Regret(float(losses.mean()), float(weights @ losses), float((losses == 0).mean()))
+        judged = digest_of(list(actions))
+        return Regret(float(losses.mean()), float(weights @ losses), float((losses == 0).mean()), judged)

@@ -40,6 +40,8 @@ class TrialStore:
         digest = job.digest()
         for path in sorted(self._folder(digest).glob("[0-9]*.json")):
             for number, result in self._read(path, digest, job).items():
+                if not job.accepts(number, result):
+                    continue
                 earlier = job.outcome(found.setdefault(number, result))
                 if earlier != job.outcome(result):
                     raise DamagedFileError(

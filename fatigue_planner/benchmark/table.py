@@ -63,18 +63,24 @@ def read_table(folder: Path, file: str, command: str) -> pd.DataFrame:
     Raises MissingTableError if there is none, DamagedFileError if the file is not such a table; rows that stand
     twice are named.
     """
-    path = folder / file
+    return read_keyed(folder / file, KEY, COLUMNS[file], command)
+
+
+def read_keyed(
+    path: Path, key: Sequence[str], columns: Sequence[str], command: str, may_be_empty: Sequence[str] = ()
+) -> pd.DataFrame:
+    """A table of key and columns in which each key stands once; raises as `read_table`."""
     if not path.exists():
         raise MissingTableError(f"{path}: there is no such table. Run `{command}` first.")
     try:
         table = pd.read_csv(path, dtype=KINDS, keep_default_na=False, na_values=[""])
     except (ValueError, OSError) as error:
         raise DamagedFileError(f"{path}: is not one of our tables ({error}). Run `{command}`.") from error
-    if list(table.columns) != KEY + COLUMNS[file] or table.isna().any(axis=None):
+    if list(table.columns) != [*key, *columns] or table.drop(columns=list(may_be_empty)).isna().any(axis=None):
         raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
-    twice = table.loc[table.duplicated(KEY), KEY]
+    twice = table.loc[table.duplicated(list(key)), list(key)]
     if len(twice):
-        raise DamagedFileError(f"{path}: stands twice: {name_rows(twice)}. Run `{command}`.")
+        raise DamagedFileError(f"{path}: stands twice: {name_rows(twice, key)}. Run `{command}`.")
     return table
 
 
@@ -83,9 +89,9 @@ def actions_of(text: str) -> list[int]:
     return [int(number) for number in text.split(" ")]
 
 
-def name_rows(rows: pd.DataFrame) -> str:
+def name_rows(rows: pd.DataFrame, key: Sequence[str] = KEY) -> str:
     """The keys of some rows, the first few, as a message shows them."""
-    shown = ["/".join(map(str, key)) for key in rows[KEY].head(5).itertuples(index=False)]
+    shown = ["/".join(map(str, values)) for values in rows[list(key)].head(5).itertuples(index=False)]
     more = len(rows) - len(shown)
     return ", ".join(shown) + (f" and {more} more" if more else "")
 

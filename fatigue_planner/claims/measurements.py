@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from fatigue_planner.statistics.contrast import Contrast
+from fatigue_planner.statistics.contrast import Contrast, contrasts_in
 
 
 @dataclass(frozen=True)
@@ -79,9 +79,10 @@ class Measurements:
             key: Sample(float(mean), float(deviation), int(size), bool(same))
             for key, mean, deviation, size, same in table.itertuples(name=None)
         }
-        rows = [Contrast(**{str(name): value for name, value in row.items()}) for row in contrasts.to_dict("records")]
         # reversed: as in `contrast_of`, a pair of several families is taken from the first one
-        self._contrasts = {(one.condition, one.n_cycles, one.first, one.second): one for one in reversed(rows)}
+        self._contrasts = {
+            (one.condition, one.n_cycles, one.first, one.second): one for one in reversed(contrasts_in(contrasts))
+        }
         self._found: dict[Pair, Comparison | str] = {}
 
     def compare(self, pair: Pair) -> Comparison | str:

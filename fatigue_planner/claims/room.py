@@ -8,6 +8,8 @@ import pandas as pd
 from fatigue_planner.claims.measurements import Measurements, Pair, Sample
 from fatigue_planner.statistics.settings import StatisticsSettings
 
+SURE = 2  # standard errors that the largest win must stay below the needed one to say so
+
 
 @dataclass(frozen=True)
 class Room:
@@ -31,7 +33,8 @@ class Room:
         text = f"no policy could win by more than {100 * self.largest:.2f}{spread} % of {policy}'s cost{small}"
         if math.isnan(self.needed):
             return text
-        close = ", so that none could have won significantly" if self.largest < self.needed else ""
+        surely = self.largest + SURE * self.standard_error < self.needed
+        close = ", so that not even the best possible could be expected to win significantly" if surely else ""
         return f"{text}; the paper's test needs {100 * self.needed:.2f} %{close}"
 
 

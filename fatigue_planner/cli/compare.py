@@ -13,7 +13,7 @@ def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="A results folder.")],
     second: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
     save: Annotated[
-        Path | None, typer.Option("--save", help="Also save a page (.html), with its table as CSV.")
+        Path | None, typer.Option("--save", help="Also save a page (.html), with its table as CSV beside it.")
     ] = None,
 ) -> None:
     """Set two results folders, A and B, side by side: settings, versions and the return of every policy in both.
@@ -30,5 +30,5 @@ def compare(
     typer.echo(compare_text(found))
     if save is not None:
         gallery = Gallery(writable_folder(save.parent))
-        publish_text(save, compare_page(found, gallery))
+        publish_text(save, compare_page(found, gallery, save.stem))
         typer.echo(f"{save}, {gallery.files[0]}")

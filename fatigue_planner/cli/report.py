@@ -20,7 +20,6 @@ from fatigue_planner.experiment.selection import cells
 from fatigue_planner.files import publish_text
 from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.reports.html.page import REPORT_FILE
 
 
 def report(
@@ -33,6 +32,7 @@ def report(
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
     does not change. Every run is lived through again from its actions; one that does not come to its return is named.
     """
+    from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
     from fatigue_planner.reports.results.report import report  # noqa: PLC0415
@@ -40,18 +40,18 @@ def report(
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
-    simulate, benchmark, own = (
-        command_line(command, experiment, cache, results) for command in ("simulate", "benchmark", "report")
-    )
-    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    simulate = command_line("simulate", experiment, cache)
+    benchmark, own = (command_line(command, experiment, cache, results) for command in ("benchmark", "report"))
+    reactions = load_reactions(settings, cache, simulate)
     folder = results / settings.name
     tables = load_results(settings, folder, benchmark)
     grid = cells(settings, cycle_profiles(settings, reactions))
     material = Material(settings, reactions, grid, tables, courses(grid, tables, folder))
     gallery = Gallery(folder)
     path = folder / REPORT_FILE
-    commands = [simulate, f"{benchmark} --regret --bound", own]
-    publish_text(path, report(material, gallery, experiment, commands, study_of(settings, results)))
+    study = study_of(settings, results)
+    commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
+    publish_text(path, report(material, gallery, experiment, commands, study))
     note = {"reactions": digests(reaction_requests(settings))}
     publish_manifest(folder, "report", note, [*gallery.files, path])
     size = path.stat().st_size / 1e6

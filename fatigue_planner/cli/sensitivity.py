@@ -23,7 +23,6 @@ from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.reports.html.page import REPORT_FILE
 from fatigue_planner.sensitivity.design import Point, design
 from fatigue_planner.sensitivity.reactions import Reacted, react, unique_requests
 from fatigue_planner.sensitivity.robustness import judge
@@ -94,6 +93,7 @@ def _bar() -> Progress:
 def _publish(
     study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
 ) -> None:
+    from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
     from fatigue_planner.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
     from fatigue_planner.reports.study.page import study_page  # noqa: PLC0415

@@ -1,13 +1,14 @@
 """The published tables of an experiment, checked against its settings, row by row, before anything is made of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import pandas as pd
+from pydantic import BaseModel, model_validator
 
-from fatigue_planner.benchmark.bounds import BOUNDS_FILE
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE, CELL, read_bounds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.replay import Course, replay
 from fatigue_planner.benchmark.table import (
@@ -24,11 +25,45 @@ from fatigue_planner.benchmark.table import (
 from fatigue_planner.errors import DamagedFileError, StaleTableError
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.provenance import check_intact, read_note
+from fatigue_planner.planners.settings import ReferenceSettings
+from fatigue_planner.provenance import Note, check_intact, read_note
 from fatigue_planner.reactions.reaction import digests
 
 # Settings that the tables do not depend on.
 NOT_IN_THE_TABLES = ("figures", "statistics")
+
+
+class NotedGrid(BaseModel):
+    """The grid that tables were made of, as far as their rows go."""
+
+    conditions: dict[str, Any]
+    n_cycles: tuple[int, ...]
+    policies: dict[str, Any]
+    trials: int
+
+
+class NotedExperiment(BaseModel):
+    """The part of a noted experiment that every version has."""
+
+    benchmark: NotedGrid
+
+
+class BenchmarkNote(Note):
+    """What `fatplan benchmark` notes: the experiment as plain values, seed, and the references of the regret."""
+
+    experiment: dict[str, Any]
+    seed: int
+    references: dict[str, ReferenceSettings]
+
+    @model_validator(mode="after")
+    def _check_grid(self) -> Self:
+        _ = self.grid
+        return self
+
+    @property
+    def grid(self) -> NotedGrid:
+        """The grid of the tables."""
+        return NotedExperiment.model_validate(self.experiment).benchmark
 
 
 @dataclass(frozen=True)
@@ -39,7 +74,12 @@ class Results:
     actions: pd.DataFrame
     regret: pd.DataFrame | None
     bounds: pd.DataFrame | None
-    note: dict[str, Any]
+    note: BenchmarkNote
+
+    @property
+    def options(self) -> str:
+        """The options that make all of these tables."""
+        return f"{'' if self.regret is None else ' --regret'}{'' if self.bounds is None else ' --bound'}"
 
 
 def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
@@ -49,44 +89,51 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     differs; DamagedFileError, naming them, for rows that stand twice, are missing or belong to no cell of the grid,
     and for files that are not what was written.
     """
+    there = {file: (folder / file).exists() for file in (REGRET_FILE, BOUNDS_FILE)}
+    # the same command without these options would remove what they made
+    command += "".join(f" {option}" for file, option in zip(there, ("--regret", "--bound"), strict=True) if there[file])
     trials = read_table(folder, TRIALS_FILE, command)
-    note = read_note(folder, "benchmark", command)
+    note = read_note(folder, "benchmark", BenchmarkNote, command)
     _check_origin(note, experiment, folder / TRIALS_FILE, command)
-    _check_rows(trials, _expected_keys(experiment.plain()["benchmark"], trials), folder / TRIALS_FILE, command)
+    _check_rows(trials, _expected_keys(note.grid, trials), folder / TRIALS_FILE, command)
     actions = read_table(folder, ACTIONS_FILE, command)
     _check_rows(actions, trials[KEY], folder / ACTIONS_FILE, command)
-    regret = read_table(folder, REGRET_FILE, command) if (folder / REGRET_FILE).exists() else None
-    if regret is not None:
+    regret = bounds = None
+    if there[REGRET_FILE]:
+        regret = read_table(folder, REGRET_FILE, command)
         _check_rows(regret, trials[KEY], folder / REGRET_FILE, command)
-    bounds = pd.read_csv(folder / BOUNDS_FILE) if (folder / BOUNDS_FILE).exists() else None
-    made = [TRIALS_FILE, ACTIONS_FILE, *([REGRET_FILE] if regret is not None else [])]
-    for file in [*made, *([BOUNDS_FILE] if bounds is not None else [])]:
+    if there[BOUNDS_FILE]:
+        bounds = read_bounds(folder, command)
+        known = [name for name, one in experiment.benchmark.conditions.items() if one.hidden_worker is None]
+        cells = trials.loc[trials["condition"].isin(known), CELL].drop_duplicates()
+        _check_rows(bounds, cells, folder / BOUNDS_FILE, command, CELL)
+    for file in (TRIALS_FILE, ACTIONS_FILE, *(file for file in there if there[file])):
         check_intact(folder, note, file, command)
     return Results(trials, actions, regret, bounds, note)
 
 
-def load_folder(folder: Path) -> tuple[dict[str, Any], pd.DataFrame]:
+def load_folder(folder: Path) -> tuple[BenchmarkNote, pd.DataFrame]:
     """What the manifest of a results folder says of its tables, and its trials, whatever the experiment was.
 
     Raises as `load_results`.
     """
     command = "fatplan benchmark"
     trials = read_table(folder, TRIALS_FILE, command)
-    note = read_note(folder, "benchmark", command)
-    _check_rows(trials, _expected_keys(note["experiment"]["benchmark"], trials), folder / TRIALS_FILE, command)
+    note = read_note(folder, "benchmark", BenchmarkNote, command)
+    _check_rows(trials, _expected_keys(note.grid, trials), folder / TRIALS_FILE, command)
     check_intact(folder, note, TRIALS_FILE, command)
     return note, trials
 
 
-def _expected_keys(grid: Mapping[str, Any], trials: pd.DataFrame) -> pd.DataFrame:
+def _expected_keys(grid: NotedGrid, trials: pd.DataFrame) -> pd.DataFrame:
     """The keys a table of a grid must have; the table says which cells are deterministic."""
     same = trials.groupby(KEY[:3])[SAME].all()
     rows = [
         (condition, n_cycles, policy, trial)
-        for condition in grid["conditions"]
-        for n_cycles in grid["n_cycles"]
-        for policy in grid["policies"]
-        for trial in range(1 if same.get((condition, n_cycles, policy), False) else grid["trials"])
+        for condition in grid.conditions
+        for n_cycles in grid.n_cycles
+        for policy in grid.policies
+        for trial in range(1 if same.get((condition, n_cycles, policy), False) else grid.trials)
     ]
     return pd.DataFrame(rows, columns=KEY)
 
@@ -128,19 +175,23 @@ def _course(cell: Cell, trial: int, text: str) -> Course | None:
     return replay(cell, trial, actions)
 
 
-def _check_rows(table: pd.DataFrame, expected: pd.DataFrame, path: Path, command: str) -> None:
+def _check_rows(
+    table: pd.DataFrame, expected: pd.DataFrame, path: Path, command: str, key: Sequence[str] = KEY
+) -> None:
     """Raise DamagedFileError, naming the rows, unless the table has just the expected ones."""
-    both = table[KEY].merge(expected, on=KEY, how="outer", indicator=True)
-    for side, words in (("left_only", "belong to no cell of the experiment"), ("right_only", "are missing")):
+    both = table[list(key)].merge(expected, on=list(key), how="outer", indicator=True)
+    sides = {"left_only": "in no cell of the experiment", "right_only": "missing"}
+    for side, words in sides.items():
         rows = both[both["_merge"] == side]
         if len(rows):
-            raise DamagedFileError(f"{path}: {len(rows)} rows {words}: {name_rows(rows)}. Run `{command}`.")
+            count = "1 row is" if len(rows) == 1 else f"{len(rows)} rows are"
+            raise DamagedFileError(f"{path}: {count} {words}: {name_rows(rows, key)}. Run `{command}`.")
 
 
-def _check_origin(note: dict[str, Any], experiment: Experiment, path: Path, command: str) -> None:
-    made, now = note.get("experiment", {}), experiment.plain()
+def _check_origin(note: BenchmarkNote, experiment: Experiment, path: Path, command: str) -> None:
+    made, now = note.experiment, experiment.plain()
     changed = [key for key in now if key not in NOT_IN_THE_TABLES and made.get(key) != now[key]]
-    if note.get("reactions") != digests(reaction_requests(experiment)):
+    if note.reactions != digests(reaction_requests(experiment)):
         changed.append("reactions")
     if changed:
         raise StaleTableError(f"{path}: was made with other settings ({', '.join(changed)}). Run `{command}`.")

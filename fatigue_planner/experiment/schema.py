@@ -25,7 +25,8 @@ Level = Annotated[float, Field(ge=0, le=1)]
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
     "trials", "actions", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest",
-    "summary", "regret", "bounds", "contrasts", "estimates", "fatigue", "actions_taken", "claims", "report",
+    "summary", "regret", "bounds", "contrasts", "estimates", "fatigue", "cycle_maps", "actions_taken", "claims",
+    "report",
 )  # fmt: skip
 
 

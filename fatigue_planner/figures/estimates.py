@@ -15,7 +15,7 @@ WIDTH_IN = 7.2
 
 
 def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -> pd.DataFrame:
-    """Cost of every policy minus the anchor's in the same worlds, as share of the cost, with its interval.
+    """Cost of every policy minus the anchor's in the same worlds, as share of the anchor's, with its interval.
 
     Positive: costs more than the anchor. Pairs that no family compares are left out.
     """
@@ -25,7 +25,7 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
             if not is_compared(contrasts, condition, n_cycles, policy, anchor):
                 continue
             found = contrast_of(contrasts, condition, n_cycles, policy, anchor)
-            cost = found.mean_cost or np.nan
+            cost = -found.second_mean or np.nan
             rows.append(
                 {
                     "condition": condition, "n_cycles": n_cycles, "policy": policy, "anchor": anchor,
@@ -47,9 +47,9 @@ def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str])
             cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
             _panel(axes[row, column], cell, margin, shown, list(policies))
             axes[row, column].set_title(f"{words(str(condition))}, {n_cycles} cycles")
+    anchor = words(str(table["anchor"].iloc[0]))
     figure.supxlabel(
-        f"cost above that of {words(str(table['anchor'].iloc[0]))}, % (shaded: ±{100 * margin:g} %, as good as equal)",
-        fontsize=9,
+        f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, as good as equal)", fontsize=9
     )
     return figure
 

@@ -7,6 +7,8 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.figures.style import look, new_figure, words
 
+WIDE = 2  # standard errors that a bar reaches to either side
+
 
 def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str]) -> Figure:
     """Loss per run as share of its cost, one panel per condition, for one number of cycles.
@@ -33,14 +35,14 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
             panel.errorbar(
                 loss,
                 place,
-                xerr=1.96 * spread if spread > 0 else None,
+                xerr=WIDE * spread if spread > 0 else None,
                 fmt=marker,
                 color=colour,
                 capsize=2.5,
                 markersize=4.5,
             )
             panel.annotate(
-                f"{loss:.2g}" if loss else "0", (loss + 1.96 * max(spread, 0), place), (5, 0),
+                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), place), (5, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
         panel.set_title(f"{words(condition)}, {n_cycles} cycles")
@@ -48,5 +50,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
         panel.set_ylim(len(policies) - 0.5, -0.5)
         panel.margins(x=0.2)
     axes[0].set_xlim(left=0)
-    figure.supxlabel("lost by the decisions of a run, % of its cost (bars: 95 % of the mean)", fontsize=9)
+    figure.supxlabel(
+        f"lost by the decisions of a run, % of its cost (bars: ±{WIDE:g} standard errors of the mean)", fontsize=9
+    )
     return figure

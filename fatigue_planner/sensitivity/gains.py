@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from fatigue_planner.statistics.rows import cells_of
+
 Vector = NDArray[np.float64]
 
 CONFIDENCE = 0.95
@@ -28,7 +30,7 @@ def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], base
     """
     rows = []
     for point, table in trials.items():
-        for (condition, n_cycles), cell in table.groupby(["condition", "n_cycles"], sort=False):
+        for condition, n_cycles, cell in cells_of(table):
             costs = {str(name): -own.to_numpy() for name, own in cell.groupby("policy")["discounted_return"]}
             same = cell.groupby("policy")["deterministic"].all()
             for planner in planners:
@@ -67,7 +69,7 @@ def leader_table(trials: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
     """The policy with the least mean cost, one row per point, condition and length."""
     rows = []
     for point, table in trials.items():
-        for (condition, n_cycles), cell in table.groupby(["condition", "n_cycles"], sort=False):
+        for condition, n_cycles, cell in cells_of(table):
             means = cell.groupby("policy", sort=False)["discounted_return"].mean()
             rows.append((point, condition, n_cycles, str(means.idxmax()), -float(means.max())))
     return pd.DataFrame(rows, columns=["point", "condition", "n_cycles", "policy", "mean_cost"])

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from fatigue_planner.sensitivity.design import Point
+from fatigue_planner.sensitivity.gains import CONFIDENCE
 from fatigue_planner.sensitivity.robustness import ANALYSES, reproduced_share
 from fatigue_planner.sensitivity.settings import Headline, StudySettings
 from fatigue_planner.statistics.settings import StatisticsSettings
@@ -59,17 +60,16 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
     own = here[here["planner"] == headline.planner]
     better, worse = (int((own["verdict"] == verdict).sum()) for verdict in ("better", "worse"))
     others = [
-        f"{planner} in {(rows['verdict'] == 'better').sum()} (worse in {(rows['verdict'] == 'worse').sum()})"
+        f"{planner} is better in {(rows['verdict'] == 'better').sum()}, worse in {(rows['verdict'] == 'worse').sum()}"
         for planner in study.planners
         if planner != headline.planner
         for rows in [here[here["planner"] == planner]]
     ]
     return (
         f"{headline.planner} is significantly better than {baseline} in {better} of {len(own)} and worse in {worse} "
-        f"({headline.condition}, {headline.n_cycles} cycles; 95 % intervals, each for itself) and saves "
-        f"{percent(own['gain'].median())} of the cost in the median, {percent(own['gain'].min())} to "
-        f"{percent(own['gain'].max())} from one to another"
-        f"{'; significantly better are also ' + ', '.join(others) if others else ''}."
+        f"({headline.condition}, {headline.n_cycles} cycles; {100 * CONFIDENCE:g} % intervals, each for itself); its "
+        f"gain is {percent(own['gain'].median())} of the cost in the median, {percent(own['gain'].min())} to "
+        f"{percent(own['gain'].max())} from one to another{''.join(f'; {other}' for other in others)}."
     )
 
 
@@ -90,11 +90,9 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -
     )
     rest = here.drop(seen.index)["share"].max()
     others = "" if pd.isna(rest) else f"; any other setting alone explains at most {percent(max(rest, 0.0))}"
-    chance = percent(here["chance"].iloc[0])
-    return (
-        f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}, and the chance of "
-        f"the runs at most {chance}."
-    )
+    chance = here["chance"].iloc[0]
+    noise = "" if pd.isna(chance) else f", and the chance of the runs at most {percent(chance)}"
+    return f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}{noise}."
 
 
 def _swing(row: pd.Series) -> str:
@@ -110,9 +108,9 @@ def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str
     most = own.sort_values("gain", kind="stable").iloc[-1]
     return (
         f"over all conditions and lengths {planner} saves less than {percent(margin)} of what {baseline} costs, by the "
-        f"upper end of the interval, in {within} of {len(own)} cells; most is saved at {most['point']}, "
-        f"{most['condition']}, {most['n_cycles']} cycles: {percent(most['gain'])} ({percent(most['gain_low'])} to "
-        f"{percent(most['gain_high'])})."
+        f"upper end of the interval, in {within} of {len(own)} cells; the largest gain is at "
+        f"{most['point']}, {most['condition']}, {most['n_cycles']} cycles: {percent(most['gain'])} "
+        f"({percent(most['gain_low'])} to {percent(most['gain_high'])})."
     )
 
 

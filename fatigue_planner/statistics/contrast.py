@@ -8,6 +8,7 @@ from typing import Self
 import pandas as pd
 
 from fatigue_planner.errors import UnknownContrastError
+from fatigue_planner.statistics.rows import records
 
 # How the columns turn when first and second change places.
 _OPPOSITE = ("difference", "relative_difference", "cohen_dz", "hedges_g")
@@ -93,6 +94,11 @@ class Contrast:
 COLUMNS = [field.name for field in fields(Contrast)]
 
 
+def contrasts_in(table: pd.DataFrame) -> list[Contrast]:
+    """The rows of a table of contrasts."""
+    return [Contrast(**row) for row in records(table)]
+
+
 def is_compared(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> bool:
     """Whether a family has the contrast of two policies, in either order."""
     cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)]
@@ -110,7 +116,7 @@ def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, 
     for one, other in ((first, second), (second, first)):
         rows = cell[(cell["first"] == one) & (cell["second"] == other)]
         if len(rows):
-            contrast = Contrast(**{str(name): value for name, value in rows.iloc[0].to_dict().items()})
+            contrast = contrasts_in(rows.head(1))[0]
             return contrast if one == first else contrast.flipped()
     raise UnknownContrastError(
         f"{first} against {second} in {condition}, {n_cycles} cycles: is in no family of the experiment's statistics."

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from fatigue_planner.statistics.contrast import Contrast, Verdict
+from fatigue_planner.statistics.contrast import Contrast, Verdict, contrasts_in
 from fatigue_planner.statistics.settings import StatisticsSettings
 
 NOT_DIFFERENT = (Verdict.EQUIVALENT, Verdict.UNDETERMINED)
@@ -23,8 +23,7 @@ def contrast_text(table: pd.DataFrame, settings: StatisticsSettings) -> str:
         f"equivalent: the costs differ by less than {100 * settings.equivalence_margin:g} % (two one-sided tests).",
     ]
     for name, rows in table.groupby("family", sort=False):
-        family = [Contrast(**{str(key): value for key, value in row.items()}) for row in rows.to_dict("records")]
-        lines += ["", *_family_lines(str(name), family, level)]
+        lines += ["", *_family_lines(str(name), contrasts_in(rows), level)]
     return "\n".join(lines) + "\n"
 
 

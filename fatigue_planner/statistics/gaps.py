@@ -5,6 +5,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from fatigue_planner.statistics.rows import cells_of
+
 
 def gap_table(comparison: pd.DataFrame, bounds: pd.DataFrame) -> pd.DataFrame:
     """One row per condition, length and policy: the mean cost above the bound, as a share of the bound.
@@ -25,7 +27,7 @@ def gap_table(comparison: pd.DataFrame, bounds: pd.DataFrame) -> pd.DataFrame:
 def gap_text(table: pd.DataFrame, left_out: Sequence[str]) -> str:
     """The table in words: of every cell the bound and the best policy; `left_out`: conditions without a bound."""
     lines = ["Distance to the optimum: no policy's expected cost is below the bound (± is the standard error)."]
-    for (condition, n_cycles), cell in table.groupby(["condition", "n_cycles"], sort=False):
+    for condition, n_cycles, cell in cells_of(table):
         best = cell.iloc[0]
         bound = f"{'is' if best['exact'] else 'is at least'} {best['cost_bound']:.6f}"
         spread = f" ± {100 * best['standard_error']:.2f} %" if best["standard_error"] > 0 else ""

@@ -9,8 +9,7 @@ from scipy.special import stdtrit
 from scipy.stats import nct
 
 from fatigue_planner.statistics.intervals import standard_error
-
-POWER = 0.8  # the usual one (Cohen 1988, section 2.4)
+from fatigue_planner.statistics.settings import POWER
 
 
 def detectable_difference(differences: NDArray[np.float64], level: float) -> float:

@@ -4,6 +4,8 @@ from pydantic import Field
 
 from fatigue_planner.settings import Settings
 
+POWER = 0.8  # of the smallest detectable difference: the usual one (Cohen 1988, section 2.4)
+
 
 class Family(Settings):
     """Comparisons that are corrected together (Holm): pairs of policies in some conditions and lengths.

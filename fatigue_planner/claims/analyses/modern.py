@@ -5,6 +5,7 @@ import math
 from fatigue_planner.claims.analyses.analysis import Analysis
 from fatigue_planner.claims.answers import Answer, Judgement
 from fatigue_planner.claims.measurements import Comparison
+from fatigue_planner.statistics.settings import POWER
 
 
 class ModernAnalysis(Analysis):
@@ -34,8 +35,8 @@ class ModernAnalysis(Analysis):
         found = 100 * comparison.share(contrast.detectable_difference)
         return Judgement(
             Answer.OPEN,
-            f"neither better nor the same is shown ({_holm(comparison)}; {found:.2g} % would have been found with 80 % "
-            "power, uncorrected)",
+            f"neither better nor the same is shown ({_holm(comparison)}; {found:.2g} % would have been found with "
+            f"{100 * POWER:g} % power, uncorrected)",
             against,
         )
 

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-import pandas as pd
-
 
 @dataclass(frozen=True)
 class Text:
@@ -67,9 +65,3 @@ class Section:
     def anchor(self) -> str:
         """The name that links lead to."""
         return "".join(letter if letter.isalnum() else "-" for letter in self.title.lower())
-
-
-def table_of(frame: pd.DataFrame, caption: str, columns: dict[str, str], data_file: str | None = None) -> Table:
-    """A table of a frame's columns of texts, under the names of `columns`."""
-    rows = [[str(cell) for cell in row] for row in frame[list(columns)].itertuples(index=False)]
-    return Table(caption, list(columns.values()), rows, data_file)

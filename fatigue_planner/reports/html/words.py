@@ -13,12 +13,20 @@ def significant(value: float, digits: int = 3) -> str:
 
 def percent(share: float, digits: int = 2) -> str:
     """A share as per cent with some decimals; the sign stays with the number where a line breaks."""
-    return "n/a" if math.isnan(share) else f"{100 * share:.{digits}f}{BLANK}%".replace("-", "−")
+    if math.isnan(share):
+        return "n/a"
+    rounded = round(100 * share, digits) + 0.0  # zero has no sign
+    return f"{rounded:.{digits}f}{BLANK}%".replace("-", "−")
 
 
 def percent_range(low: float, high: float, digits: int = 2) -> str:
     """An interval of shares as per cent."""
     return f"{percent(low, digits).removesuffix(f'{BLANK}%')} to {percent(high, digits)}"
+
+
+def counted(number: int, what: str, several: str = "") -> str:
+    """`1 run`, `2 runs`."""
+    return f"{number} {what if number == 1 else several or what + 's'}"
 
 
 def listing(items: Sequence[str]) -> str:

@@ -1,13 +1,16 @@
 """Two results folders side by side."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from pydantic import ValidationError
 
-from fatigue_planner.experiment.results import load_folder
+from fatigue_planner.errors import StaleTableError
+from fatigue_planner.experiment.results import BenchmarkNote, load_folder
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.reports.html.page import page
@@ -33,12 +36,19 @@ class Comparison:
     contrasts: pd.DataFrame
     only: tuple[list[str], list[str]]
     level: float
+    same_worlds: bool
+
+    @property
+    def pairing(self) -> str:
+        """How runs are paired, in words."""
+        worlds = "in the same worlds" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
+        return f"paired by trial, {worlds}"
 
 
 def compare(first: Path, second: Path) -> Comparison:
     """Compare the tables of two folders. Raises as `load_folder`."""
     (note, trials), (other_note, other_trials) = load_folder(first), load_folder(second)
-    settings = StatisticsSettings.model_validate(note["experiment"]["statistics"])
+    settings = _statistics(note, first)
     cells, other_cells = (
         list(
             dict.fromkeys(
@@ -50,15 +60,25 @@ def compare(first: Path, second: Path) -> Comparison:
     return Comparison(
         names=(str(first), str(second)),
         settings=_differences(_flat(_relevant(note)), _flat(_relevant(other_note))),
-        versions=_differences(note["versions"], other_note["versions"]),
-        contrasts=side_by_side(trials, other_trials, settings, int(note["seed"])),
+        versions=_differences(note.versions, other_note.versions),
+        contrasts=side_by_side(trials, other_trials, settings, note.seed),
+        same_worlds=note.seed == other_note.seed,
         only=([c for c in cells if c not in other_cells], [c for c in other_cells if c not in cells]),
         level=settings.significance_level,
     )
 
 
-def _relevant(note: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in note["experiment"].items() if key not in IRRELEVANT}
+def _statistics(note: BenchmarkNote, folder: Path) -> StatisticsSettings:
+    try:
+        return StatisticsSettings.model_validate(note.experiment.get("statistics"))
+    except ValidationError as error:
+        raise StaleTableError(
+            f"{folder}: was made by another version of fatplan, without `statistics`. Run `fatplan benchmark` again."
+        ) from error
+
+
+def _relevant(note: BenchmarkNote) -> dict[str, Any]:
+    return {key: value for key, value in note.experiment.items() if key not in IRRELEVANT}
 
 
 def _flat(value: Any, key: str = "") -> dict[str, str]:
@@ -85,7 +105,7 @@ def compare_text(found: Comparison) -> str:
     for name, cells in zip("AB", found.only, strict=True):
         if cells:
             lines.append(f"Only in {name}: {_few(cells)}.")
-    lines += ["", "Discounted return, and what B costs more than A (paired by trial):"]
+    lines += ["", f"Discounted return, and what B costs more than A, of A's cost ({found.pairing}):"]
     lines += ["  " + "  ".join(cells) for cells in _aligned(_rows(found))]
     return "\n".join(lines) + "\n"
 
@@ -109,27 +129,32 @@ def _rows(found: Comparison) -> list[list[str]]:
     rows = []
     for row in records(found.contrasts):
         contrast = Contrast(**{key: value for key, value in row.items() if key != "policy"})
-        cost = contrast.mean_cost
-        interval = percent_range(contrast.t_low / cost, contrast.t_high / cost) if cost else "n/a"
+        cost = -contrast.first_mean or math.nan
+        interval = percent_range(contrast.t_low / cost, contrast.t_high / cost)
+        test = significant(contrast.holm_p, 2) if contrast.holm_p >= 0 else contrast.note
+        if contrast.difference == 0 and not contrast.holm_p >= 0:
+            interval, test = "", "the same in every run"
         rows.append(
             [
                 words(contrast.condition), str(contrast.n_cycles), words(row["policy"]), str(contrast.trials),
                 significant(contrast.first_mean, 6), significant(contrast.second_mean, 6),
-                percent(contrast.relative_difference), interval,
-                significant(contrast.holm_p, 2) if contrast.holm_p >= 0 else contrast.note,
+                percent(contrast.difference / cost), interval,
+                test,
             ]
         )  # fmt: skip
     return rows
 
 
-def compare_page(found: Comparison, gallery: Gallery) -> str:
-    """The comparison as a page (HTML); its table goes to the gallery's folder."""
-    file = gallery.add_table("compare", found.contrasts)
+def compare_page(found: Comparison, gallery: Gallery, name: str) -> str:
+    """The comparison as a page (HTML); its table goes to the gallery's folder under this name."""
+    file = gallery.add_table(name, found.contrasts)
     a, b = found.names
     blocks: list[Block] = [
-        Text(f"A is `{a}`, B is `{b}`. Runs are paired by trial; intervals are at {percent(1 - found.level, 0)}.")
+        Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; intervals are at {percent(1 - found.level, 0)}.")
     ]
-    sections = [Section("Returns", [*blocks, Table("What B costs more than A.", HEADER, _rows(found), file)])]
+    sections = [
+        Section("Returns", [*blocks, Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file)])
+    ]
     for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
         rows = [[name, one, other] for name, (one, other) in differences.items()]
         block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")

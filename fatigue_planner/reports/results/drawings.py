@@ -1,6 +1,7 @@
 """The figures of an experiment's returns and reactions."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -18,6 +19,7 @@ from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.reports.html.blocks import Picture
 from fatigue_planner.reports.html.words import listing, percent, significant
 from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.statistics.comparison import STARS
 from fatigue_planner.statistics.rows import cells_of, records
 
 # The joint at the near end of each body, where its load is drawn.
@@ -33,7 +35,8 @@ def draw_returns(gallery: Gallery, experiment: Experiment, comparison: pd.DataFr
         caption = (
             f"`{name}`: discounted accumulated reward, mean ± standard deviation over the runs, best policy first. "
             "Between neighbours stands the paper's test: Student's, unpaired, not corrected "
-            "(* p < .05, ** p < .01, *** p < .001, ns: not significant; none where a policy has one run only)."
+            f"({', '.join(f'{mark} p < {limit:g}' for limit, mark in reversed(STARS))}, ns: p ≥ "
+            f"{experiment.statistics.significance_level:g}; none where a policy has one run only)."
         )
         pictures.append(gallery.add(name, figure, shown, caption, _best_and_worst(shown)))
     return pictures
@@ -74,7 +77,7 @@ def draw_reactions(
         if map_figure is not None:
             table = places[places["worker"] == worker]
             caption = f"What it costs{whose} to work at each place."
-            pictures.append(gallery.add(f"places{suffix}", map_figure, table, caption, "see the table."))
+            pictures.append(gallery.add(f"places{suffix}", map_figure, table, caption, _cheapest_and_dearest(table)))
     figure, table = torque_figure(reactions, parameters)
     caption = "Mean loads during work above the threshold of fatigue, as share of the worker's strength."
     return [*pictures, gallery.add("torques", figure, table, caption, _heaviest_entries(table))]
@@ -97,10 +100,26 @@ def _peaks(table: pd.DataFrame) -> str:
 
 
 def _loads(rows: pd.DataFrame) -> str:
-    shown = rows.head(FEW)
+    shown, several = rows.head(FEW), rows["worker"].nunique() > 1
     listed = [
-        f"{row['action']}/{row['preference']} {percent(row['share_of_maximum'], 0)} of the strength at {row['place']}"
+        f"{_name(row, several)} {percent(row['share_of_maximum'], 0)} of the strength at {row['place']}"
         for row in records(shown)
     ]
     more = len(rows) - len(shown)
     return listing([*listed, *([f"{more} more"] if more > 0 else [])]) + "."
+
+
+def _name(row: Mapping[str, Any], with_worker: bool) -> str:
+    """A reaction, with its worker where there are several."""
+    parts = [row["worker"]] if with_worker else []
+    return "/".join([*parts, row["action"], row["preference"]])
+
+
+def _cheapest_and_dearest(table: pd.DataFrame) -> str:
+    """The places of a pose map with the least and the most cost of repeating, over all preferences."""
+    ordered = records(table.sort_values("long_run_cost", kind="stable"))
+    ends = [
+        f"{word} {row['action']} with {words(row['preference'])} ({significant(row['long_run_cost'])})"
+        for word, row in (("cheapest is", ordered[0]), ("dearest is", ordered[-1]))
+    ]
+    return listing(ends) + "."

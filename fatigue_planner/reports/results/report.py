@@ -5,6 +5,8 @@ from pathlib import Path
 
 from fatigue_planner.claims.evaluation import Evaluation, evaluate
 from fatigue_planner.claims.loader import load_claims
+from fatigue_planner.errors import ClaimsError
+from fatigue_planner.provenance import versions
 from fatigue_planner.reports.html.blocks import Points, Section
 from fatigue_planner.reports.html.page import page
 from fatigue_planner.reports.results.gallery import Gallery
@@ -33,8 +35,8 @@ def report(
     top, claims = [findings(material)], None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
     if claims_file.exists():
-        judged = evaluate_claims(material, claims_file)
-        claims = claims_section(judged, claims_file)
+        judged = evaluate_claims(material, claims_file, file)
+        claims = claims_section(judged, claims_file, gallery)
         top.append(Points([claims_sentence(judged)]))
     sections: list[Section | None] = [
         returns_section(material, gallery),
@@ -47,17 +49,19 @@ def report(
         settings_section(file),
         provenance_section(material, list(commands), file),
     ]
-    version = material.results.note["versions"]["fatplan"]
     return page(
         f"Results of the experiment {material.experiment.name}",
-        f"Written by fatplan {version} from {file.name} and the tables beside this page; no number is typed.",
+        f"Written by fatplan {versions()['fatplan']} from {file.name} and the tables beside this page; no number is "
+        "typed.",
         top,
         [section for section in sections if section is not None],
     )
 
 
-def evaluate_claims(material: Material, file: Path) -> Evaluation:
-    """The claims of a file, judged by the tables. Raises ClaimsError."""
+def evaluate_claims(material: Material, file: Path, experiment_file: Path) -> Evaluation:
+    """The claims of a file, judged by the tables. Raises ClaimsError if they are about another experiment."""
+    loaded = load_claims(file)
+    if loaded.experiment_file.resolve() != experiment_file.resolve():
+        raise ClaimsError(f"{file}: experiment: is {loaded.experiment_file}; should be {experiment_file.name}.")
     statistics, seed = material.experiment.statistics, material.experiment.benchmark.seed
-    tables = material.results
-    return evaluate(load_claims(file).claims, tables.trials, statistics, seed, tables.bounds)
+    return evaluate(loaded.claims, material.results.trials, statistics, seed, material.results.bounds)

@@ -5,10 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from pydantic import BaseModel
 
 from fatigue_planner.errors import DamagedFileError
+from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.provenance import MANIFEST_FILE, check_intact, read_note
+from fatigue_planner.provenance import MANIFEST_FILE, Note, check_intact, read_note
+from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.sensitivity.settings import Headline
 
 COMMAND = "fatplan sensitivity"
@@ -18,28 +21,44 @@ FIGURES = "figures"
 OF_THE_GRID = ("name", "benchmark", "statistics", "figures")
 
 
+class NotedStudy(BaseModel):
+    """The part of a study file that its page speaks of."""
+
+    name: str
+    baselines: tuple[str, ...]
+    headline: Headline
+
+
+class StudyNote(Note):
+    """What `fatplan sensitivity` notes: study and base experiment as plain values, seed, names of the figures."""
+
+    study: NotedStudy
+    experiment: dict[str, Any]
+    seed: int
+    figures: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class FinishedStudy:
     """What a study left in a folder.
 
-    lessons: its sentences; tables: by the names of `sensitivity.tables`, without .csv; figures: names in drawing order.
+    lessons: its sentences; tables: by the names of `sensitivity.tables`, without .csv.
     """
 
     folder: Path
-    note: dict[str, Any]
+    note: StudyNote
     lessons: list[str]
     tables: dict[str, pd.DataFrame]
-    figures: list[str]
 
     @property
     def headline(self) -> Headline:
         """The comparison that its sentences and figures speak of."""
-        return Headline.model_validate(self.note["study"]["headline"])
+        return self.note.study.headline
 
     @property
     def baselines(self) -> list[str]:
         """The policies that planners are compared with."""
-        return list(self.note["study"]["baselines"])
+        return list(self.note.study.baselines)
 
     def svg(self, figure: str) -> str:
         """A figure's drawing."""
@@ -52,29 +71,27 @@ class FinishedStudy:
 
 def read_study(folder: Path) -> FinishedStudy:
     """The study in a folder. Raises DamagedFileError if its files are not what was written."""
-    note = read_note(folder, "sensitivity", COMMAND)
-    try:
-        for file in note["sha256"]:
-            check_intact(folder, note, file, COMMAND)
-        files = [Path(file) for file in note["sha256"]]
-        tables = {file.stem: _table(folder / file) for file in files if file.suffix == ".csv" and len(file.parts) == 1}
-        figures = list(note["figures"])
-        lessons = (folder / LESSONS_FILE).read_text(encoding="utf-8").splitlines()
-    except (OSError, KeyError, ValueError) as error:
-        raise DamagedFileError(f"{folder}: is not a whole study ({error}). Run `{COMMAND}`.") from error
-    return FinishedStudy(folder, note, lessons, tables, figures)
+    note = read_note(folder, "sensitivity", StudyNote, COMMAND)
+    for file in note.sha256:
+        check_intact(folder, note, file, COMMAND)
+    files = [Path(file) for file in note.sha256]
+    tables = {file.stem: _table(folder / file) for file in files if file.suffix == ".csv" and len(file.parts) == 1}
+    return FinishedStudy(folder, note, (folder / LESSONS_FILE).read_text(encoding="utf-8").splitlines(), tables)
 
 
 def study_of(experiment: Experiment, results: Path) -> FinishedStudy | None:
-    """The study in a results folder whose base is this experiment, if there is one. Raises DamagedFileError."""
-    now = experiment.plain()
+    """The study in a results folder whose base is this experiment, with the same reactions; the first by name.
+
+    Raises DamagedFileError if its files are not what was written.
+    """
+    now, reactions = experiment.plain(), set(digests(reaction_requests(experiment)).values())
     for manifest in sorted(results.glob(f"*/{MANIFEST_FILE}")):
         try:
-            note = read_note(manifest.parent, "sensitivity", COMMAND)
+            note = read_note(manifest.parent, "sensitivity", StudyNote, COMMAND)
         except DamagedFileError:
-            continue  # another kind of results
-        base = note["experiment"]
-        if all(base.get(key) == now[key] for key in now if key not in OF_THE_GRID):
+            continue  # another kind of results, or of another version
+        same = all(note.experiment.get(key) == now[key] for key in now if key not in OF_THE_GRID)
+        if same and reactions <= set(note.reactions.values()):
             return read_study(manifest.parent)
     return None
 

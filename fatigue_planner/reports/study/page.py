@@ -1,5 +1,6 @@
 """The page of a sensitivity study."""
 
+from fatigue_planner.provenance import versions
 from fatigue_planner.reports.html.blocks import Block, Code, Section, Text
 from fatigue_planner.reports.html.page import page
 from fatigue_planner.reports.study.finished import FinishedStudy
@@ -20,7 +21,7 @@ def study_page(study: FinishedStudy, command: str) -> str:
         Text("This command makes the tables and this page again:"),
         Code(command),
         Text(
-            f"Seed {note['seed']}; {len(note['reactions'])} reactions. Versions, configuration and hashes are in "
+            f"Seed {note.seed}; {len(note.reactions)} reactions. Versions, configuration and hashes are in "
             "`manifest.json`."
         ),
     ]
@@ -32,6 +33,6 @@ def study_page(study: FinishedStudy, command: str) -> str:
         Section("What cannot be performed", infeasible(study, "")),
         Section("Provenance", provenance),
     ]
-    subtitle = f"Written by fatplan {note['versions']['fatplan']} from the tables beside this page; no number is typed."
-    title = f"When does planning pay? The study {note['study']['name']}"
+    subtitle = f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number is typed."
+    title = f"When does planning pay? The study {note.study.name}"
     return page(title, subtitle, [lessons(study)], [section for section in sections if section is not None])

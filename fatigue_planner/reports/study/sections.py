@@ -47,7 +47,7 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
     )
     header = ["gain over", "setting", "variance explained", "interval", "p", "swing alone", "least → most at"]
     table = Table(caption, header, rows, f"{where}importance.csv")
-    return [table, *(_picture(study, name, where) for name in study.figures)]
+    return [table, *(_picture(study, name, where) for name in study.note.figures)]
 
 
 def over_all_cells(study: FinishedStudy, where: str) -> Table:
@@ -83,7 +83,7 @@ def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
     wide = wide.sort_values(columns[0], ascending=False, kind="stable")
     rows = [[str(claim).replace("_", " "), *(f"{count:.0f}" for count in counts)] for claim, counts in wide.iterrows()]
     points = int(wide[[column for column in columns if column[0] == "modern"]].sum(axis=1).max())
-    trials = study.note["experiment"]["benchmark"]["trials"]
+    trials = study.tables["gains"]["trials"].max()
     caption = (
         f"At how many of {points} settings (one at a time and combined) each claim of the paper is reproduced, by the "
         f"paired and corrected analysis and by the paper's own test, from {trials} runs each."

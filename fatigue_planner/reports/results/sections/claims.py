@@ -3,21 +3,21 @@
 from pathlib import Path
 
 from fatigue_planner.claims.evaluation import Evaluation
-from fatigue_planner.claims.tables import CLAIMS_FILE
 from fatigue_planner.reports.html.blocks import Section, Table, Text
 from fatigue_planner.reports.html.words import listing
+from fatigue_planner.reports.results.gallery import Gallery
 from fatigue_planner.statistics.rows import records
 
 VERDICTS = ("reproduced", "not reproduced", "undetermined")
 
 
-def claims_section(evaluation: Evaluation, file: Path) -> Section:
-    """Every claim with its verdicts; why, and how far any policy could win, where it is not reproduced."""
+def claims_section(evaluation: Evaluation, file: Path, gallery: Gallery) -> Section:
+    """Every claim with its verdicts; why, and how far any policy could win."""
     rows = []
     for claim in records(evaluation.claims):
         asked = claim["relation"].replace("_", " ")
-        reason = "" if claim["verdict"] == "reproduced" else claim["reason"]
-        told = [text.rstrip(".") for text in (reason, claim["numbers"], claim["room_to_win"]) if text]
+        texts = (claim["reason"], claim["numbers"], claim["room_to_win"])
+        told = [text.rstrip(".") for text in texts if text]
         quote = f"“{claim['quote']}”" + (f" (read as: {claim['interpretation']})" if claim["interpretation"] else "")
         rows.append(
             [claim["place"], quote, asked, claim["verdict"], claim["paper_verdict"], ". ".join([*told, ""]).rstrip()]
@@ -26,10 +26,12 @@ def claims_section(evaluation: Evaluation, file: Path) -> Section:
         f"The claims of `{file.name}`. Verdict: by the paired and corrected analysis, equality by a test of "
         "equivalence; beside it that of the paper's own test. Numbers: difference of the returns in % of the cost."
     )
-    header = ["section", "claim", "asks", "verdict", "paper's test", "numbers, and why not"]
+    file_name = gallery.add_table("claims", evaluation.claims)
+    gallery.add_table("claims_detail", evaluation.detail)
+    header = ["section", "claim", "asks", "verdict", "paper's test", "why, and numbers"]
     return Section(
         "The paper's claims",
-        [Text(claims_sentence(evaluation)), Table(caption, header, rows, CLAIMS_FILE)],
+        [Text(claims_sentence(evaluation)), Table(caption, header, rows, file_name)],
     )
 
 

@@ -1,11 +1,14 @@
 """What one learns, at the top of the report."""
 
+from collections import Counter
+
 import pandas as pd
 
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Points
-from fatigue_planner.reports.html.words import listing, percent, percent_range
+from fatigue_planner.reports.html.words import counted, listing, percent, percent_range
 from fatigue_planner.reports.results.material import Material
+from fatigue_planner.reports.results.sections.losses import most_to_win
 from fatigue_planner.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
 from fatigue_planner.statistics.rows import cells_of, records
 
@@ -14,23 +17,26 @@ def findings(material: Material) -> Points:
     """A few sentences, each from the tables."""
     grid, trials = material.experiment.benchmark, material.results.trials
     items = [
-        f"{len(grid.policies)} policies in {len(grid.conditions)} conditions over "
-        f"{listing([str(n) for n in grid.n_cycles])} cycles: {len(trials)} runs, seed {grid.seed}.",
+        f"{counted(len(grid.policies), 'policy', 'policies')} in {counted(len(grid.conditions), 'condition')} over "
+        f"{listing([str(n) for n in grid.n_cycles])} cycles: {counted(len(trials), 'run')}, seed {grid.seed}.",
         _leaders(material),
         *_against_the_anchor(material),
     ]
-    if material.gaps is not None:
+    if material.gaps is not None and len(material.gaps):
         items.append(_most_to_win(material, material.gaps))
     return Points(items)
 
 
 def _leaders(material: Material) -> str:
-    best = material.comparison[material.comparison["rank"] == 1]["policy"].value_counts()
-    total = int(best.sum())
+    """Policies with the same mean all lead."""
+    best: Counter[str] = Counter()
+    cells = [cell for _, _, cell in cells_of(material.comparison)]
+    for cell in cells:
+        best.update(cell.loc[cell["mean"] == cell["mean"].max(), "policy"])
     return (
         "The best mean has "
-        + listing([f"`{policy}` in {count}" for policy, count in best.items()])
-        + f" of {total} cells (condition and number of cycles)."
+        + listing([f"`{policy}` in {count}" for policy, count in best.most_common()])
+        + f" of {counted(len(cells), 'cell')} (condition and number of cycles)."
     )
 
 
@@ -45,24 +51,27 @@ def _against_the_anchor(material: Material) -> list[str]:
         found = contrast_of(material.contrasts, *pair)
         sentences.append(
             f"{words(condition)}, {n_cycles} cycles: the best besides `{material.anchor}` is `{others[0]}`; its cost "
-            f"is {_difference(found)} ({_words(found, level)})."
+            f"is {_difference(found, level)}."
         )
     return sentences
 
 
-def _difference(found: Contrast) -> str:
-    side = "lower" if found.difference > 0 else "higher"
-    share = percent(abs(found.relative_difference))
+def _difference(found: Contrast, level: float) -> str:
+    """By how much the first costs less or more than the second, of the second's cost."""
+    if found.difference == 0:
+        return "the same in every run" if not found.paired_p >= 0 else "the same"
+    cost, side = -found.second_mean, "lower" if found.difference > 0 else "higher"
+    share = f"{percent(abs(found.difference) / cost)} {side}"
     if found.standard_error == 0:
-        return f"{share} {side}"
-    ends = (found.t_low / found.mean_cost, found.t_high / found.mean_cost)
-    low, high = ends if found.difference > 0 else (-ends[1], -ends[0])
-    return f"{share} {side}, interval {percent_range(low, high)}"
+        return f"{share} (one deterministic run each)"
+    if not found.paired_p >= 0:
+        return f"{share} ({found.note})"
+    sign = 1 if found.difference > 0 else -1
+    low, high = sorted(sign * end / cost for end in (found.t_low, found.t_high))
+    return f"{share}, interval {percent_range(low, high)} ({_words(found, level)})"
 
 
 def _words(found: Contrast, level: float) -> str:
-    if found.standard_error == 0:
-        return "one deterministic run each"
     return {
         Verdict.BETTER: "a significant difference",
         Verdict.WORSE: "a significant difference",
@@ -73,8 +82,8 @@ def _words(found: Contrast, level: float) -> str:
 
 def _most_to_win(material: Material, gaps: pd.DataFrame) -> str:
     last = gaps[(gaps["n_cycles"] == material.longest) & (gaps["policy"] == material.anchor)]
-    shares = [f"{percent(max(row['gap'], 0) / (1 + row['gap']))} ({words(row['condition'])})" for row in records(last)]
+    shares = [f"{most_to_win(row)} ({words(row['condition'])})" for row in records(last)]
     return (
-        f"Over {material.longest} cycles no policy whatsoever can cost less than `{material.anchor}` by more than "
-        f"{listing(shares)}: a proved bound."
+        f"Over {material.longest} cycles no policy whatsoever can be expected to cost less than `{material.anchor}` by "
+        f"more than {listing(shares)}: the bound is proved; ± is the standard error of that policy's own mean."
     )

@@ -1,10 +1,12 @@
 """What the decisions lose against the exact reference, and what no policy can do better."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.figures.regret import regret_figure
 from fatigue_planner.figures.style import words
 from fatigue_planner.planners.reference import describe
-from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.reports.html.words import listing, percent, significant
 from fatigue_planner.reports.results.gallery import Gallery
@@ -21,7 +23,7 @@ def losses_section(material: Material, gallery: Gallery) -> Section:
         blocks.append(Text(HOW))
     if material.regret is not None:
         blocks += _regret(material, gallery)
-    if material.gaps is not None:
+    if material.gaps is not None and len(material.gaps):
         blocks += _bounds(material)
     return Section("Distance to the optimum", blocks)
 
@@ -29,11 +31,9 @@ def losses_section(material: Material, gallery: Gallery) -> Section:
 def _regret(material: Material, gallery: Gallery) -> list[Block]:
     table = material.regret
     assert table is not None
-    judges = material.results.note["references"]
-    references = [
-        f"{words(condition)}: {describe(ReferenceSettings.model_validate(judges[condition]))}"
-        for condition in material.experiment.benchmark.conditions
-    ]
+    judges = material.results.note.references
+    named = [condition for condition in material.experiment.benchmark.conditions if condition in judges]
+    references = [f"{words(condition)}: {describe(judges[condition])}" for condition in named]
     intro = (
         "Every decision of every run is judged by a reference that looks ahead exactly: "
         + "; ".join(references)
@@ -58,21 +58,28 @@ def _bounds(material: Material) -> list[Block]:
     for condition, n_cycles, cell in cells_of(gaps):
         rows_of = records(cell)
         best = rows_of[0]
-        gap = next(row["gap"] for row in rows_of if row["policy"] == material.anchor)
+        anchor = next(row for row in rows_of if row["policy"] == material.anchor)
         rows.append(
             [
                 words(condition), str(n_cycles), significant(best["cost_bound"], 6),
                 "the optimum" if best["exact"] else "a lower bound", words(best["policy"]), percent(best["gap"]),
-                percent(max(gap, 0.0) / (1 + gap)),
+                most_to_win(anchor),
             ]
         )  # fmt: skip
     caption = (
         "The least expected cost that any policy can have, proved by a relaxation without a solver, and how far the "
         "policies are from it. The last column is the most that any policy could win: a claim of a larger win over "
-        f"`{material.anchor}` cannot be true here (up to the chance in its mean)."
+        f"`{material.anchor}` cannot be true here. ± is the standard error of that policy's own mean."
     )
     header = [
         "condition", "cycles", "least expected cost", "which is", "best policy", "its mean above it",
         f"most to win over {words(material.anchor)}",
     ]  # fmt: skip
     return [Table(caption, header, rows, BOUNDS_FILE)]
+
+
+def most_to_win(row: Mapping[str, Any]) -> str:
+    """What could at most be won over the policy of a row of `gap_table`, as a share of its cost, ± standard error."""
+    share, error = row["gap"] / (1 + row["gap"]), row["standard_error"] / (1 + row["gap"]) ** 2
+    spread = f" ± {percent(error)}" if error > 0 else ""
+    return f"{percent(share)}{spread}"

@@ -12,9 +12,9 @@ from fatigue_planner.reports.results.material import Material
 
 def provenance_section(material: Material, commands: list[str], file: Path) -> Section:
     """Commands, versions, seed, hashes and the whole configuration; `file` is the experiment's."""
-    made, here = material.results.note["versions"], versions()
+    made, here = material.results.note.versions, versions()
     versions_used = [[name, made.get(name, "n/a"), version] for name, version in here.items()]
-    hashes = [[name, digest] for name, digest in sorted(material.results.note["sha256"].items())]
+    hashes = [[name, digest] for name, digest in sorted(material.results.note.sha256.items())]
     hashes.append([file.name, hashlib.sha256(file.read_bytes()).hexdigest()])
     hashes += [[f"reaction {request.name}", request.digest] for request in reaction_requests(material.experiment)]
     seed = material.experiment.benchmark.seed

@@ -82,4 +82,4 @@ def _maps(maps: pd.DataFrame, file: str) -> Table:
 
 
 def _reaction(row: Mapping[str, Any]) -> str:
-    return f"{row['action']}/{row['preference']}"
+    return "/".join(row[part] for part in ReactionName._fields)

@@ -5,11 +5,11 @@ import pandas as pd
 from fatigue_planner.figures.estimates import estimate_figure, estimate_table
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Block, Section, Text
-from fatigue_planner.reports.html.words import listing, percent, percent_range
+from fatigue_planner.reports.html.words import counted, listing, percent, percent_range
 from fatigue_planner.reports.results.drawings import draw_returns
 from fatigue_planner.reports.results.gallery import Gallery
 from fatigue_planner.reports.results.material import Material
-from fatigue_planner.statistics.contrast import Contrast, Verdict
+from fatigue_planner.statistics.contrast import Verdict, contrasts_in
 from fatigue_planner.statistics.rows import cells_of, records
 
 
@@ -21,13 +21,13 @@ def returns_section(material: Material, gallery: Gallery) -> Section:
     if len(table):
         level = percent(1 - settings.significance_level, 0)
         caption = (
-            f"The same runs as estimates: mean cost above that of `{material.anchor}` in the same worlds, with "
-            f"{level} intervals (paired t). In the grey band policies count as equal "
+            f"The same runs as estimates: mean cost above that of `{material.anchor}` in the same worlds, as share of "
+            f"its cost, with {level} intervals (paired t). In the grey band policies count as equal "
             f"(±{percent(settings.equivalence_margin, 1)} of the cost, fixed before)."
         )
         figure = estimate_figure(table, settings.equivalence_margin, material.policies)
         blocks.append(gallery.add("estimates", figure, table, caption, _extremes(table)))
-    blocks.append(Text(_counts(material)))
+    blocks.append(Text(_counts(material, gallery.add_table("contrasts", material.contrasts))))
     return Section("Returns", blocks)
 
 
@@ -45,10 +45,10 @@ def _extremes(table: pd.DataFrame) -> str:
     return "; ".join(sentences) + "."
 
 
-def _counts(material: Material) -> str:
+def _counts(material: Material, file: str) -> str:
     """How the modern analysis and the paper's test count the comparisons."""
     level = material.experiment.statistics.significance_level
-    rows = [Contrast(**row) for row in records(material.contrasts)]
+    rows = contrasts_in(material.contrasts)
     tested = [row for row in rows if row.paired_p >= 0]
     if not tested:
         return "No two policies could be tested against each other."
@@ -58,9 +58,10 @@ def _counts(material: Material) -> str:
     papers = sum(row.student_p < level for row in both)
     families = list(dict.fromkeys(row.family for row in rows))
     return (
-        f"Of {len(rows)} comparisons in {len(families)} families ({listing(families)}), {len(tested)} can be tested. "
-        f"Paired and corrected for the family (Holm), {different} differ, {counts[Verdict.EQUIVALENT]} are equivalent "
-        f"and {counts[Verdict.UNDETERMINED]} are undetermined; the paper's test, which neither pairs nor corrects, "
+        f"Of {counted(len(rows), 'comparison')} in {counted(len(families), 'family', 'families')} "
+        f"({listing(families)}), {len(tested)} can be tested. Paired and corrected for the family (Holm), "
+        f"{different} differ, {counts[Verdict.EQUIVALENT]} are equivalent and "
+        f"{counts[Verdict.UNDETERMINED]} are undetermined; the paper's test, which neither pairs nor corrects, "
         f"finds {papers} of {len(both)} different. All numbers of every comparison (intervals by t and bootstrap, "
-        "permutation test, effect sizes, smallest detectable difference) are in `contrasts.csv`."
+        f"permutation test, effect sizes, smallest detectable difference) are in `{file}`."
     )

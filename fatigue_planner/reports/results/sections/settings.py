@@ -50,8 +50,7 @@ def settings_section(file: Path) -> Section | None:
         [
             Text(
                 f"`{file.name}` marks {len(found)} settings or groups of them: {fixed} are the paper's, "
-                f"{len(found) - fixed} it leaves open; what was chosen there, and why, is in `docs/deviations.md`, and "
-                "what depends on it in the sensitivity study."
+                f"{len(found) - fixed} it leaves open, so that they were chosen."
             ),
             Table("Marked settings, as the file gives them.", ["setting", "value", "from", "comment"], rows),
         ],
