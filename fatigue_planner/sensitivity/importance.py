@@ -27,8 +27,9 @@ def importance_table(
 
     share: the share of the gain's variance over the combinations that the factor explains alone (see `shares`), with a
     95 % bootstrap interval (share_low, share_high); NaN with too few combinations. p_value: whether the share is more
-    than chance, corrected for all factors (see `p_values`). swing: largest minus smallest gain
-    over the factor's levels tried one at a time, the base experiment's among them; least_at and most_at: these levels.
+    than chance, corrected for all factors (see `p_values`). rank_share, rank_p_value: the same of the gains' ranks,
+    which a few very large gains do not rule. swing: largest minus smallest gain over the factor's levels tried one at
+    a time, the base experiment's among them; least_at and most_at: these levels.
     chance: the mean squared standard error of the gains as a share of their variance over the combinations, the most
     that the finite number of trials adds to it (less, as all combinations meet the same worlds).
     `gains` is `gains.gain_table`'s; points that it does not have could not be performed.
@@ -41,7 +42,9 @@ def importance_table(
     with np.errstate(invalid="ignore", divide="ignore"):
         chance = (errors.reindex(names) ** 2).mean().reindex(responses.columns) / responses.loc[names].var()
     designs = [factor.regressors([point.levels[name] for point in combined]) for name, factor in factors.items()]
+    ranked = responses.loc[names].rank().to_numpy()
     chances = p_values(designs, values, stream(seed, "permutations")) if combined else None
+    rank_chances = p_values(designs, ranked, stream(seed, "permutations")) if combined else None
     tables = []
     for place, (name, regressors) in enumerate(zip(factors, designs, strict=True)):
         table = responses.columns.to_frame(index=False)
@@ -50,6 +53,9 @@ def importance_table(
         for column, key in enumerate(("share", "share_low", "share_high")):
             table[key] = np.nan if own is None else own[column]
         table["p_value"] = np.nan if chances is None else chances[place]
+        ranks = shares(regressors, ranked, stream(seed, "bootstrap", name)) if combined else None
+        table["rank_share"] = np.nan if ranks is None else ranks[0]
+        table["rank_p_value"] = np.nan if rank_chances is None else rank_chances[place]
         table["chance"] = chance.to_numpy()
         tables.append(pd.concat([table, _swings(points, responses, name)], axis=1))
     # a stable sort on the share keeps the factors' order among those that have none

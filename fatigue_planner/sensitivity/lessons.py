@@ -74,31 +74,35 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
 
 
 def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -> str:
-    headline = study.headline
-    here = at_headline(importance, headline)
-    here = here[(here["planner"] == headline.planner) & (here["baseline"] == study.baselines[0])]
-    seen = here[here["p_value"] < level].iloc[:DECIDING]
-    if seen.empty:
-        return (
-            f"no setting alone is seen to decide how much {headline.planner} gains over {study.baselines[0]}: none "
-            f"explains more of it than chance might (permutations, all settings together, at {percent(level)})."
-        )
-    named = ", ".join(
-        f"{row['factor']} ({percent(row['share'])} of the variance, {percent(row['share_low'])} to "
-        f"{percent(row['share_high'])}{_swing(row)})"
-        for _, row in seen.iterrows()
+    here = at_headline(importance, study.headline)
+    here = here[here["planner"] == study.headline.planner]
+    decided = [
+        f"over {baseline} is decided by {_deciding(own, 'share', 'p_value', level)} "
+        f"(by ranks: {_deciding(own, 'rank_share', 'rank_p_value', level)})"
+        for baseline in study.baselines
+        for own in [here[here["baseline"] == baseline]]
+    ]
+    return (
+        f"what {study.headline.planner} gains {' and '.join(decided)}: shares of the variance over the combinations "
+        f"that a setting explains alone and chance would not, by permutations of all settings together at "
+        f"{percent(level)}{_swings(here[here['baseline'] == study.baselines[0]], study.baselines[0])}."
     )
-    rest = here.drop(seen.index)["share"].max()
-    others = "" if pd.isna(rest) else f"; any other setting alone explains at most {percent(max(rest, 0.0))}"
-    chance = here["chance"].iloc[0]
-    noise = "" if pd.isna(chance) else f", and the chance of the runs at most {percent(chance)}"
-    return f"how much {headline.planner} gains over {study.baselines[0]} is decided by {named}{others}{noise}."
 
 
-def _swing(row: pd.Series) -> str:
-    if not row["swing"] > 0:
-        return ""
-    return f"; alone it moves the gain by {percent(row['swing'])} from {row['least_at']} to {row['most_at']}"
+def _deciding(own: pd.DataFrame, share: str, p_value: str, level: float) -> str:
+    """The settings that explain more than chance, the most important first."""
+    seen = own[own[p_value] < level].sort_values(share, ascending=False, kind="stable").iloc[:DECIDING]
+    return ", ".join(f"{row['factor']} {percent(row[share])}" for _, row in seen.iterrows()) or "none alone"
+
+
+def _swings(own: pd.DataFrame, baseline: str) -> str:
+    """The settings that move the gain most when they alone are changed."""
+    widest = own[own["swing"] > 0].sort_values("swing", ascending=False, kind="stable").iloc[:DECIDING]
+    named = ", ".join(
+        f"{row['factor']} (by {percent(row['swing'])} of the cost, {row['least_at']} to {row['most_at']})"
+        for _, row in widest.iterrows()
+    )
+    return f"; one at a time, the gain over {baseline} moves most with {named}" if named else ""
 
 
 def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str:

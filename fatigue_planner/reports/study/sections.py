@@ -34,7 +34,7 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
         [
             words(row["baseline"]), words(row["factor"]), _share(row["share"]),
             "–" if pd.isna(row["share_low"]) else f"{_share(row['share_low'])} to {_share(row['share_high'])}",
-            "–" if pd.isna(row["p_value"]) else significant(row["p_value"], 2), _share(row["swing"]),
+            _p_value(row["p_value"]), _share(row["rank_share"]), _p_value(row["rank_p_value"]), _share(row["swing"]),
             f"{words(row['least_at'])} → {words(row['most_at'])}" if row["swing"] > 0 else "–",
         ]
         for row in records(here.fillna({"least_at": "", "most_at": ""}))
@@ -42,10 +42,21 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
     caption = (
         f"What `{headline.planner}` gains over each baseline ({words(headline.condition)}, {headline.n_cycles} "
         "cycles), and which settings decide it: the share of the gain's variance over all combinations that a setting "
-        "explains alone, with a 95 % bootstrap interval and p corrected for all settings (permutations), and how far "
-        "it moves the gain alone (largest minus smallest)."
+        "explains alone, with a 95 % bootstrap interval and p corrected for all settings (permutations); the same of "
+        "the gains' ranks, which a few very large gains do not rule; and how far it moves the gain alone "
+        "(largest minus smallest)."
     )
-    header = ["gain over", "setting", "variance explained", "interval", "p", "swing alone", "least → most at"]
+    header = [
+        "gain over",
+        "setting",
+        "variance explained",
+        "interval",
+        "p",
+        "of ranks",
+        "p",
+        "swing alone",
+        "least → most at",
+    ]
     table = Table(caption, header, rows, f"{where}importance.csv")
     return [table, *(_picture(study, name, where) for name in study.note.figures)]
 
@@ -126,6 +137,10 @@ def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
 
 def _share(share: float) -> str:
     return "–" if pd.isna(share) else percent(share)
+
+
+def _p_value(p_value: float) -> str:
+    return "–" if pd.isna(p_value) else significant(p_value, 2)
 
 
 def _short(reason: str) -> str:
