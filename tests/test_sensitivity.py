@@ -393,7 +393,7 @@ def test_five_sentences_follow_from_the_tables(study: Study, synthetic: Any) -> 
     assert len(text) == 5
     assert "can perform 32; planning is significantly better than greedy in 32 of 32 and worse in 0" in text[0]
     assert "planning is significantly better than alternating in 32" in text[1].lower()
-    assert "over greedy is decided by strong 9" in text[2] and "strong (by 10 % of the cost, 0 to 1)" in text[2]
+    assert "might: over greedy strong 9" in text[2] and "strong (by 10 % of the cost, 0 to 1)" in text[2]
     assert text[4] == "Of all policies, the least mean cost has greedy in 1, planning in 1 of 2 cells."
     gone = gains[~gains["point"].isin(["c1", "c2"])].copy()
     gone.loc[gone["point"] == "c3", "verdict"] = "worse"

@@ -56,7 +56,10 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
             )
             continue
         ends = own.sort_values("gain", kind="stable")
-        for row, side, shift in ((ends.iloc[0], "right", -4), (ends.iloc[-1], "left", 4)):
+        sides = [(ends.iloc[0], "right", -4), (ends.iloc[-1], "left", 4)]
+        if len(base):  # an end that is the base experiment's own has its line
+            sides = [(row, side, shift) for row, side, shift in sides if (row["gain"] - base.iloc[0]) * shift > 0]
+        for row, side, shift in sides:
             axes.annotate(
                 words(row["level"]), (100 * row["gain"], place), (shift, 0), textcoords="offset points", ha=side,
                 va="center", fontsize=7,
@@ -66,6 +69,7 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
     axes.axvline(0, color="0.5", linewidth=0.8, linestyle=":")
     axes.set_yticks(range(len(factors)), [words(factor) for factor in factors])
     axes.invert_yaxis()
+    axes.use_sticky_edges = False
     axes.margins(x=0.18)
     axes.set_xlabel("gain, % of the baseline's cost (line: the base experiment)")
     axes.set_title(title)

@@ -77,22 +77,22 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -
     here = at_headline(importance, study.headline)
     here = here[here["planner"] == study.headline.planner]
     decided = [
-        f"over {baseline} is decided by {_deciding(own, 'share', 'p_value', level)} "
-        f"(by ranks: {_deciding(own, 'rank_share', 'rank_p_value', level)})"
+        f"over {baseline} {_deciding(own, 'share', 'p_value', level)} "
+        f"(by ranks {_deciding(own, 'rank_share', 'rank_p_value', level)})"
         for baseline in study.baselines
         for own in [here[here["baseline"] == baseline]]
     ]
     return (
-        f"what {study.headline.planner} gains {' and '.join(decided)}: shares of the variance over the combinations "
-        f"that a setting explains alone and chance would not, by permutations of all settings together at "
-        f"{percent(level)}{_swings(here[here['baseline'] == study.baselines[0]], study.baselines[0])}."
+        f"what alone explains more of {study.headline.planner}'s gain over the combinations than chance might: "
+        f"{', '.join(decided)} (share of the variance; permutations of all settings together, at {percent(level)})"
+        f"{_swings(here[here['baseline'] == study.baselines[0]], study.baselines[0])}."
     )
 
 
 def _deciding(own: pd.DataFrame, share: str, p_value: str, level: float) -> str:
     """The settings that explain more than chance, the most important first."""
     seen = own[own[p_value] < level].sort_values(share, ascending=False, kind="stable").iloc[:DECIDING]
-    return ", ".join(f"{row['factor']} {percent(row[share])}" for _, row in seen.iterrows()) or "none alone"
+    return ", ".join(f"{row['factor']} {percent(row[share])}" for _, row in seen.iterrows()) or "no setting"
 
 
 def _swings(own: pd.DataFrame, baseline: str) -> str:

@@ -32,12 +32,12 @@ def report(
     Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`; `study` is a
     sensitivity study of the experiment.
     """
-    top, claims = [findings(material)], None
+    found, claims = findings(material), None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
     if claims_file.exists():
         judged = evaluate_claims(material, claims_file, file)
         claims = claims_section(judged, claims_file, gallery)
-        top.append(Points([claims_sentence(judged)]))
+        found.append(claims_sentence(judged))
     sections: list[Section | None] = [
         returns_section(material, gallery),
         losses_section(material, gallery),
@@ -53,7 +53,7 @@ def report(
         f"Results of the experiment {material.experiment.name}",
         f"Written by fatplan {versions()['fatplan']} from {file.name} and the tables beside this page; no number is "
         "typed.",
-        top,
+        [Points(found)],
         [section for section in sections if section is not None],
     )
 

@@ -171,7 +171,7 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
             [
                 f"{words(factor)} moves it from {percent(own.min())} to {percent(own.max())}"
                 for factor in widest
-                for own in [data.loc[data["factor"] == factor, "gain"]]
+                for own in [data.loc[(data["factor"] == factor) | data["factor"].isna(), "gain"]]
             ]
         )
     return Picture(study.svg(name), caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")

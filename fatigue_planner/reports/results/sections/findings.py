@@ -5,7 +5,6 @@ from collections import Counter
 import pandas as pd
 
 from fatigue_planner.figures.style import words
-from fatigue_planner.reports.html.blocks import Points
 from fatigue_planner.reports.html.words import counted, listing, percent, percent_range
 from fatigue_planner.reports.results.material import Material
 from fatigue_planner.reports.results.sections.losses import most_to_win
@@ -13,7 +12,7 @@ from fatigue_planner.statistics.contrast import Contrast, Verdict, contrast_of, 
 from fatigue_planner.statistics.rows import cells_of, records
 
 
-def findings(material: Material) -> Points:
+def findings(material: Material) -> list[str]:
     """A few sentences, each from the tables."""
     grid, trials = material.experiment.benchmark, material.results.trials
     items = [
@@ -24,7 +23,7 @@ def findings(material: Material) -> Points:
     ]
     if material.gaps is not None and len(material.gaps):
         items.append(_most_to_win(material, material.gaps))
-    return Points(items)
+    return items
 
 
 def _leaders(material: Material) -> str:

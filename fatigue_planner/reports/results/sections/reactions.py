@@ -27,7 +27,7 @@ def reactions_section(material: Material, gallery: Gallery) -> Section:
     maps = cycle_map_table(material)
     file = gallery.add_table("cycle_maps", maps)
     if len(material.reactions) <= FEW:
-        blocks += [_torques(material), _maps(maps, file)]
+        blocks += [_torques(material), _maps(material, maps, file)]
     else:
         blocks.append(Text(f"What one cycle of each of the {len(material.reactions)} reactions does: `{file}`."))
     return Section("The postural reactions", blocks)
@@ -54,7 +54,7 @@ def _torques(material: Material) -> Table:
     table = torque_table(material.reactions, material.fatigue)
     rows = [
         [
-            _reaction(row),
+            _reaction(row, material),
             entry_label(row["entry"]),
             significant(row["mean_torque_nm"]),
             percent(row["share_of_maximum"], 0),
@@ -66,10 +66,10 @@ def _torques(material: Material) -> Table:
     return Table(caption, ["reaction", "entry", "torque, N·m", "share of strength"], rows, "torques.csv")
 
 
-def _maps(maps: pd.DataFrame, file: str) -> Table:
+def _maps(material: Material, maps: pd.DataFrame, file: str) -> Table:
     numbers = ("gain", "offset", "fatigue_if_repeated")
     rows = [
-        [_reaction(row), entry_label(row["entry"]), *(significant(row[number]) for number in numbers)]
+        [_reaction(row, material), entry_label(row["entry"]), *(significant(row[number]) for number in numbers)]
         for _, group in maps.groupby(list(ReactionName._fields), sort=False)
         for row in records(group.nlargest(LARGEST, "offset"))
     ]
@@ -81,5 +81,7 @@ def _maps(maps: pd.DataFrame, file: str) -> Table:
     return Table(caption, header, rows, file)
 
 
-def _reaction(row: Mapping[str, Any]) -> str:
-    return "/".join(row[part] for part in ReactionName._fields)
+def _reaction(row: Mapping[str, Any], material: Material) -> str:
+    """The name of a reaction, with its worker where there are several."""
+    first = 0 if len(material.experiment.workers) > 1 else 1
+    return "/".join(row[part] for part in ReactionName._fields[first:])
