@@ -1,6 +1,6 @@
 """`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, TypeVar
 
@@ -24,6 +24,7 @@ from fatigue_planner.benchmark.table import (
     regret_rows,
     trial_table,
 )
+from fatigue_planner.benchmark.trial import TrialResult
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -42,6 +43,7 @@ from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_req
 from fatigue_planner.experiment.selection import Selection, cells, references, selected
 from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.planners.reference import describe
+from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.statistics.comparison import comparison_table
@@ -103,11 +105,7 @@ def benchmark(
     summary += "\n" + contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
     if regret:
-        judged = [
-            Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
-            for cell, runs in zip(grid_cells, done, strict=True)
-        ]
-        losses = regret_rows(grid_cells, _run(judged, store, jobs, "Measuring regret"))
+        losses = _measure_regret(grid_cells, done, judges, store, jobs)
         publish_table(folder, losses, [REGRET_FILE])
         names = {condition: describe(reference) for condition, reference in judges.items()}
         summary += "\n" + regret_text(regret_table(table.merge(losses, on=KEY)), names)
@@ -131,6 +129,20 @@ def benchmark(
     typer.echo(summary)
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
+
+
+def _measure_regret(
+    grid: Sequence[Cell],
+    done: Sequence[Mapping[int, TrialResult]],
+    judges: Mapping[str, ReferenceSettings],
+    store: Path,
+    jobs: int,
+) -> pd.DataFrame:
+    judgements = [
+        Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
+        for cell, runs in zip(grid, done, strict=True)
+    ]
+    return regret_rows(grid, _run(judgements, store, jobs, "Measuring regret"))
 
 
 def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:

@@ -49,14 +49,7 @@ def compare(first: Path, second: Path) -> Comparison:
     """Compare the tables of two folders. Raises as `load_folder`."""
     (note, trials), (other_note, other_trials) = load_folder(first), load_folder(second)
     settings = _statistics(note, first)
-    cells, other_cells = (
-        list(
-            dict.fromkeys(
-                "/".join(map(str, key)) for key in zip(t["condition"], t["n_cycles"], t["policy"], strict=True)
-            )
-        )
-        for t in (trials, other_trials)
-    )
+    cells, other_cells = (_cells(table) for table in (trials, other_trials))
     return Comparison(
         names=(str(first), str(second)),
         settings=_differences(_flat(_relevant(note)), _flat(_relevant(other_note))),
@@ -66,6 +59,11 @@ def compare(first: Path, second: Path) -> Comparison:
         only=([c for c in cells if c not in other_cells], [c for c in other_cells if c not in cells]),
         level=settings.significance_level,
     )
+
+
+def _cells(trials: pd.DataFrame) -> list[str]:
+    names = trials["condition"] + "/" + trials["n_cycles"].astype(str) + "/" + trials["policy"]
+    return list(dict.fromkeys(names))
 
 
 def _statistics(note: BenchmarkNote, folder: Path) -> StatisticsSettings:

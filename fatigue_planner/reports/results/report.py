@@ -38,6 +38,8 @@ def report(
         judged = evaluate_claims(material, claims_file, file)
         claims = claims_section(judged, claims_file, gallery)
         found.append(claims_sentence(judged))
+    if study is not None:
+        found.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
     sections: list[Section | None] = [
         returns_section(material, gallery),
         losses_section(material, gallery),
