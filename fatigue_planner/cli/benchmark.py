@@ -9,6 +9,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
+from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.job import Job
 from fatigue_planner.benchmark.judgement import Judgement
@@ -40,12 +41,14 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, references, selected
 from fatigue_planner.files import publish_text, writable_folder
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.reports.html.words import counted
 from fatigue_planner.statistics.comparison import comparison_table
 from fatigue_planner.statistics.contrast_text import contrast_text
 from fatigue_planner.statistics.contrasts import CONTRASTS_FILE, contrasts
@@ -75,6 +78,9 @@ def benchmark(
         bool,
         typer.Option("--bound", help="Also compute a cost that no policy can beat."),
     ] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Only say what would be run and about how long it takes.")
+    ] = False,
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
@@ -89,9 +95,13 @@ def benchmark(
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = selected(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
-    store = writable_folder(results / settings.name / "parts")
-    folder = writable_folder(results / (settings.name + wanted.suffix()))
+    store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
+    if dry_run:
+        typer.echo(_plan(grid, grid_cells, store, jobs))
+        return
+    folder = writable_folder(results / (settings.name + wanted.suffix()))
+    writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
     done = _run(grid_cells, store, jobs, f"Running {len(grid_cells)} cells")
     table = trial_table(grid_cells, done)
@@ -129,6 +139,21 @@ def benchmark(
     typer.echo(summary)
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
+
+
+def _plan(experiment: Experiment, grid: Sequence[Cell], store: Path, jobs: int) -> str:
+    """What would be run, what of it is there, and about how long the rest takes."""
+    asked, left = experiment.benchmark, decisions_left(grid, store)
+    runs = sum(len(cell.trial_numbers()) for cell in grid)
+    lines = [
+        f"conditions: {', '.join(asked.conditions)}",
+        f"cycles: {', '.join(map(str, asked.n_cycles))}",
+        f"policies: {', '.join(asked.policies)}",
+        f"{counted(len(grid), 'cell')}, {counted(runs, 'run')}, {sum(len(cell.trial_numbers()) * cell.n_cycles for cell in grid)} decisions, "
+        f"{sum(left)} of them not in {store} yet: about {duration_text(estimated_seconds(grid, left, jobs))} with "
+        f"--jobs {jobs} (regret and bounds not counted).",
+    ]
+    return "\n".join(lines)
 
 
 def _measure_regret(

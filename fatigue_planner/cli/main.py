@@ -15,6 +15,7 @@ from fatigue_planner.cli.options import EXIT_CODES
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
+from fatigue_planner.cli.validate import schema, validate
 from fatigue_planner.cli.view import view
 
 app = typer.Typer(
@@ -33,6 +34,8 @@ app.command(epilog=EXIT_CODES)(report)
 app.command(epilog=EXIT_CODES)(compare)
 app.command(epilog=EXIT_CODES)(sensitivity)
 app.command(epilog=EXIT_CODES)(view)
+app.command(epilog=EXIT_CODES)(validate)
+app.command(epilog=EXIT_CODES)(schema)
 app.add_typer(human, name="human", epilog=EXIT_CODES)
 app.add_typer(cache, name="cache", epilog=EXIT_CODES)
 

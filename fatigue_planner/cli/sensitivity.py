@@ -8,6 +8,7 @@ import pandas as pd
 import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -26,12 +27,11 @@ from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.sensitivity.design import Point, design
 from fatigue_planner.sensitivity.reactions import Reacted, react, unique_requests
 from fatigue_planner.sensitivity.robustness import judge
-from fatigue_planner.sensitivity.run import StudyGrid, decisions_of, estimated_seconds
+from fatigue_planner.sensitivity.run import StudyGrid
 from fatigue_planner.sensitivity.study import Study, load_study
 from fatigue_planner.sensitivity.tables import study_tables
 
 DEFAULT_STUDY = Path("experiments/sensitivity.yaml")
-MINUTES_FROM_S = 120
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="The study file (YAML).")]
 
@@ -74,11 +74,11 @@ def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: in
 def _run(reacted: Sequence[Reacted], store: Path, jobs: int) -> Mapping[str, pd.DataFrame]:
     console = talk()
     grid = StudyGrid(reacted)
-    seconds = estimated_seconds(grid, jobs)
-    time = f"{seconds:.0f} s" if seconds < MINUTES_FROM_S else f"{seconds / 60:.0f} minutes"
-    console.print(f"{len(grid.cells)} different cells: about {time} with --jobs {jobs}, less what is there already.")
+    left = decisions_left(grid.cells, store)
+    time = duration_text(estimated_seconds(grid.cells, left, jobs))
+    console.print(f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with --jobs {jobs}.")
     with _bar() as bar:
-        task = bar.add_task("Decisions", total=sum(map(decisions_of, grid.cells)))
+        task = bar.add_task("Decisions", total=sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells))
         trials, warnings = grid.run(store, jobs, lambda job, n: bar.advance(task, n * job.effort))
     for warning in warnings:
         console.print(f"Warning: {warning}", markup=False)

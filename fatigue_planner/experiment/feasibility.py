@@ -1,6 +1,6 @@
 """What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,28 +15,34 @@ from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.loads import HandForce
 
 
-def check_meaning(experiment: Experiment) -> None:
-    """Raise DataFileError, naming the key, for the first thing that cannot be."""
+def meaning_faults(experiment: Experiment) -> list[str]:
+    """Everything that cannot be, each with its key."""
+    return [
+        *_worker_faults(experiment),
+        *_belief_faults(experiment),
+        *(fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
+        *_reach_faults(experiment),
+    ]
+
+
+def _worker_faults(experiment: Experiment) -> Iterator[str]:
+    humans: list[Human] = []
     for name, worker in experiment.workers.items():
         try:
-            human, strength = build_human(worker), maximum_torque(worker.strength)
+            humans.append(build_human(worker))
+            strength = maximum_torque(worker.strength)
         except DataFileError as error:
-            raise DataFileError(f"workers.{name}: {error}") from error
-        fatigue_parameters(experiment.fatigue, strength)
-        _check_preferences(experiment, human)
-    for name, states in experiment.initial_beliefs.items():
-        for place, state in enumerate(states):
-            try:
-                fatigue_state(state.fatigue)
-            except DataFileError as error:
-                raise DataFileError(f"initial_beliefs.{name}.{place}.{error}") from error
-    longest_m = {name: _longest_reach_m(worker) for name, worker in experiment.workers.items()}
-    for name, action in experiment.actions.items():
-        _check_times(experiment, name, action)
-        _check_reach(longest_m, name, action)
+            yield f"workers.{name}: {error}"
+            continue
+        try:
+            fatigue_parameters(experiment.fatigue, strength)
+        except DataFileError as error:
+            yield str(error)
+    if humans:
+        yield from _preference_faults(experiment, humans[0])
 
 
-def _check_preferences(experiment: Experiment, human: Human) -> None:
+def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
     state = BodyState(human)
     state.update(human.stance, np.zeros(human.model.nv))
     for name, preference in experiment.preferences.items():
@@ -44,33 +50,43 @@ def _check_preferences(experiment: Experiment, human: Human) -> None:
             try:
                 task.build(human, state, experiment.controller.stiffness_per_s2)
             except DataFileError as error:
-                raise DataFileError(f"preferences.{name}.tasks.{place}.{error}") from error
+                yield f"preferences.{name}.tasks.{place}.{error}"
 
 
-def _check_times(experiment: Experiment, name: str, action: Action) -> None:
+def _belief_faults(experiment: Experiment) -> Iterator[str]:
+    for name, states in experiment.initial_beliefs.items():
+        for place, one in enumerate(states):
+            try:
+                fatigue_state(one.fatigue)
+            except DataFileError as error:
+                yield f"initial_beliefs.{name}.{place}.{error}"
+
+
+def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[str]:
     work, whole = experiment.cycle.work_s, experiment.cycle.duration_s
     for side, goal in action.goals().items():
         last = goal.path()[-1].work_time_s
         if last > work:
-            raise DataFileError(
+            yield (
                 f"actions.{name}.{side}_hand.waypoints: the last is reached after {last:g} s of work; cycle.work_s is "
                 f"{work:g}"
             )
     for place, load in enumerate(action.loads):
         if isinstance(load, HandForce) and load.force_n[-1].cycle_time_s > whole:
-            raise DataFileError(
+            yield (
                 f"actions.{name}.loads.{place}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
                 f"end of the cycle ({whole:g} s)"
             )
 
 
-def _check_reach(longest_m: Mapping[str, float], name: str, action: Action) -> None:
-    for worker_name, longest in longest_m.items():
+def _reach_faults(experiment: Experiment) -> Iterator[str]:
+    longest_m = {name: _longest_reach_m(worker) for name, worker in experiment.workers.items()}
+    for name, action in experiment.actions.items():
         for side, goal in action.goals().items():
-            for waypoint in goal.path():
-                distance = float(np.linalg.norm(waypoint.position_m.vector()))
+            distance = max(float(np.linalg.norm(waypoint.position_m.vector())) for waypoint in goal.path())
+            for worker_name, longest in longest_m.items():
                 if distance > longest:
-                    raise DataFileError(
+                    yield (
                         f"actions.{name}.{side}_hand.position_m: {distance:.2f} m from the feet; ankle, leg, trunk and "
                         f"arm of worker {worker_name} together measure {longest:.2f} m."
                     )

@@ -8,8 +8,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fatigue_planner.errors import DataFileError, ExperimentError
-from fatigue_planner.experiment.feasibility import check_meaning
+from fatigue_planner.errors import ExperimentError
+from fatigue_planner.experiment.feasibility import meaning_faults
 from fatigue_planner.experiment.grids import expand_grids
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.settings import Settings
@@ -21,14 +21,12 @@ Location = tuple[int | str, ...]
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, checked completely.
 
-    Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, then the first
-    of meaning.
+    Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, or else all of meaning.
     """
     experiment = parse_experiment(read_content(path), str(path))
-    try:
-        check_meaning(experiment)
-    except DataFileError as error:
-        raise ExperimentError(f"{path}: {error}") from error
+    faults = meaning_faults(experiment)
+    if faults:
+        raise ExperimentError("\n".join(f"{path}: {fault}" for fault in faults))
     return experiment
 
 

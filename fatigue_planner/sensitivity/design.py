@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from fatigue_planner.errors import DataFileError, ExperimentError
-from fatigue_planner.experiment.feasibility import check_meaning
+from fatigue_planner.errors import ExperimentError
+from fatigue_planner.experiment.feasibility import meaning_faults
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.sensitivity.factors.factor import Level, level_text
@@ -57,10 +57,10 @@ def _point(
 ) -> Point:
     try:
         experiment = parse_experiment(study.changed(changes), name)
-        check_meaning(experiment)
-    except (ExperimentError, DataFileError) as error:
+    except ExperimentError as error:
         return Point(name, kind, factor, levels, None, str(error).replace("\n", "; "))
-    return Point(name, kind, factor, levels, experiment)
+    faults = meaning_faults(experiment)
+    return Point(name, kind, factor, levels, None if faults else experiment, "; ".join(faults))
 
 
 def _unit_cube(study: Study) -> list[list[float]]:
