@@ -309,7 +309,19 @@ def test_help_and_version() -> None:
         [],
         *(
             [name]
-            for name in ("simulate", "benchmark", "claims", "figures", "report", "compare", "sensitivity", "view")
+            for name in (
+                "simulate",
+                "benchmark",
+                "claims",
+                "figures",
+                "report",
+                "compare",
+                "sensitivity",
+                "view",
+                "validate",
+                "schema",
+                "doctor",
+            )
         ),
     ):
         done = CliRunner().invoke(app, [*command, "--help"])

@@ -145,11 +145,12 @@ def _plan(experiment: Experiment, grid: Sequence[Cell], store: Path, jobs: int) 
     """What would be run, what of it is there, and about how long the rest takes."""
     asked, left = experiment.benchmark, decisions_left(grid, store)
     runs = sum(len(cell.trial_numbers()) for cell in grid)
+    decisions = sum(len(cell.trial_numbers()) * cell.n_cycles for cell in grid)
     lines = [
         f"conditions: {', '.join(asked.conditions)}",
         f"cycles: {', '.join(map(str, asked.n_cycles))}",
         f"policies: {', '.join(asked.policies)}",
-        f"{counted(len(grid), 'cell')}, {counted(runs, 'run')}, {sum(len(cell.trial_numbers()) * cell.n_cycles for cell in grid)} decisions, "
+        f"{counted(len(grid), 'cell')}, {counted(runs, 'run')}, {decisions} decisions, "
         f"{sum(left)} of them not in {store} yet: about {duration_text(estimated_seconds(grid, left, jobs))} with "
         f"--jobs {jobs} (regret and bounds not counted).",
     ]

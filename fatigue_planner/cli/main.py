@@ -9,6 +9,7 @@ from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.cache import app as cache
 from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
+from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.figures import figures
 from fatigue_planner.cli.human import app as human
 from fatigue_planner.cli.options import EXIT_CODES
@@ -36,6 +37,7 @@ app.command(epilog=EXIT_CODES)(sensitivity)
 app.command(epilog=EXIT_CODES)(view)
 app.command(epilog=EXIT_CODES)(validate)
 app.command(epilog=EXIT_CODES)(schema)
+app.command(epilog=EXIT_CODES)(doctor)
 app.add_typer(human, name="human", epilog=EXIT_CODES)
 app.add_typer(cache, name="cache", epilog=EXIT_CODES)
 

@@ -1,0 +1,134 @@
+"""`fatplan doctor`: whether everything that the program needs works on this machine."""
+
+import io
+import tempfile
+import time
+import webbrowser
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import typer
+
+from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, CacheFolder, ResultsFolder
+from fatigue_planner.errors import ExitCode, OutputFolderError
+from fatigue_planner.files import writable_folder
+from fatigue_planner.parallel import available_cores
+from fatigue_planner.provenance import versions
+
+SOLVERS = ("daqp", "qpoases")
+REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found: None as a remedy where all is well; `vital` things make the command fail."""
+
+    what: str
+    found: str
+    remedy: str | None = None
+    vital: bool = True
+
+
+def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS) -> None:
+    """Check this installation: versions, solvers, compiler, HDF5, folders, viewer and browser, each by using it.
+
+    What is missing is named with what to do about it; the exit code is 3 if nothing can work without it.
+    """
+    checks: list[Callable[[], Finding]] = [
+        _versions, _solvers, _compiler, _hdf5, lambda: _folder("cache", cache), lambda: _folder("results", results),
+        _viewer, _browser, _cores,
+    ]  # fmt: skip
+    findings = [_careful(check) for check in checks]
+    for one in findings:
+        mark = "ok     " if one.remedy is None else "MISSING" if one.vital else "absent "
+        typer.echo(f"{mark} {one.what}: {one.found}")
+        if one.remedy:
+            typer.echo(f"        {one.remedy}")
+    if any(one.remedy and one.vital for one in findings):
+        raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+def _careful(check: Callable[[], Finding]) -> Finding:
+    """A broken library may raise anything when it is first used."""
+    try:
+        return check()
+    except Exception as error:
+        name = getattr(check, "__name__", "check").strip("_<>")
+        return Finding(name, f"{type(error).__name__}: {error}", REINSTALL)
+
+
+def _versions() -> Finding:
+    return Finding("versions", ", ".join(f"{name} {number}" for name, number in versions().items()))
+
+
+def _solvers() -> Finding:
+    import casadi  # noqa: PLC0415 - the check itself
+
+    missing = [name for name in SOLVERS if not casadi.has_conic(name)]
+    return Finding(
+        "solvers", ", ".join(SOLVERS), f"CasADi lacks {', '.join(missing)}. {REINSTALL}" if missing else None
+    )
+
+
+def _compiler() -> Finding:
+    from fatigue_planner.compiled import cache_folder, compiled  # noqa: PLC0415 - takes a second
+
+    begin = time.perf_counter()
+    three = compiled(_successor)(2)
+    folder, seconds = cache_folder(), time.perf_counter() - begin
+    kept = len(list(folder.rglob("*.nbi")))
+    remedy = None if three == 3 else "numba computes wrongly; install its pinned version."
+    return Finding("compiler", f"numba works ({seconds:.1f} s); {kept} kernels kept in {folder}", remedy)
+
+
+def _successor(number: int) -> int:
+    return number + 1
+
+
+def _hdf5() -> Finding:
+    import h5py  # noqa: PLC0415 - the check itself
+    import numpy as np  # noqa: PLC0415
+
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file.create_dataset("x", data=np.arange(3.0), fletcher32=True)
+    with h5py.File(content, "r") as file:
+        intact = file["x"][:].tolist() == [0.0, 1.0, 2.0]
+    return Finding("HDF5", f"{h5py.version.hdf5_version}, with checksums", None if intact else REINSTALL)
+
+
+def _folder(what: str, folder: Path) -> Finding:
+    there = folder
+    while not there.exists() and there != there.parent:
+        there = there.parent
+    try:
+        with tempfile.TemporaryDirectory(dir=there) as inside:
+            writable_folder(Path(inside))
+    except (OSError, OutputFolderError) as error:
+        reason = getattr(error, "strerror", None) or error
+        return Finding(
+            f"folder of the {what}", f"{folder}: cannot be written ({reason})", f"Choose another one: --{what} FOLDER."
+        )
+    made = "" if folder.exists() else ", to be made"
+    return Finding(f"folder of the {what}", f"{folder}: can be written{made}")
+
+
+def _viewer() -> Finding:
+    try:
+        return Finding("viewer", f"viser {version('viser')}")
+    except PackageNotFoundError:
+        return Finding("viewer", "viser is not installed", f"`fatplan view` cannot work. {REINSTALL}", vital=False)
+
+
+def _browser() -> Finding:
+    try:
+        return Finding("browser", webbrowser.get().__class__.__name__)
+    except webbrowser.Error:
+        remedy = "Pages are written all the same: open them on another machine, or set BROWSER."
+        return Finding("browser", "none found", remedy, vital=False)
+
+
+def _cores() -> Finding:
+    return Finding("cores", f"{available_cores()} for --jobs")
