@@ -1,6 +1,7 @@
 """Published tables are checked row by row before anything is made of them."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -24,10 +25,17 @@ def small(paper: Experiment) -> Experiment:
     return selected(paper, Selection([5], None, ["random", "greedy"], 4, None, None))
 
 
+@pytest.fixture(scope="module")
+def published(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("published")
+    publish(small, reactions, folder)
+    return folder
+
+
 @pytest.fixture
-def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path) -> Path:
-    publish(small, reactions, tmp_path)
-    return tmp_path
+def folder(published: Path, tmp_path: Path) -> Path:
+    """A copy that a test may spoil."""
+    return Path(shutil.copytree(published, tmp_path / "results"))
 
 
 def alter(path: Path, change: Callable[[list[str]], list[str]]) -> None:
