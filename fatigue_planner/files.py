@@ -8,9 +8,12 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fatigue_planner.errors import OutputFolderError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PACKAGE = Path(__file__).parent
 DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file's name
@@ -74,6 +77,11 @@ def set_aside(path: Path) -> Path:
 def publish_text(path: Path, text: str) -> None:
     """Publish a UTF-8 text file (see `publish`)."""
     publish(path, lambda temporary: temporary.write_text(text, encoding="utf-8", newline="\n"))
+
+
+def publish_csv(path: Path, table: "pd.DataFrame") -> None:
+    """Publish a table without its index, the same bytes on every system (see `publish`)."""
+    publish_text(path, table.to_csv(index=False, lineterminator="\n"))
 
 
 def canonical_json(value: Any) -> str:

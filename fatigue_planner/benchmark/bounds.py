@@ -12,8 +12,8 @@ from fatigue_planner.files import (
     DIGEST_LENGTH,
     digest_of,
     digest_of_package,
+    publish_csv,
     publish_sealed,
-    publish_text,
     read_sealed,
     set_aside,
 )
@@ -78,7 +78,7 @@ def read_bounds(folder: Path, command: str) -> pd.DataFrame:
 
 def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
     """Write bounds.csv."""
-    publish_text(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS].to_csv(index=False, lineterminator="\n"))
+    publish_csv(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS])
 
 
 def _path(folder: Path, situation: Situation, place: Place) -> Path:

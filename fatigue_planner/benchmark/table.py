@@ -10,7 +10,7 @@ from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.judgement import Regret
 from fatigue_planner.benchmark.trial import TrialResult
 from fatigue_planner.errors import DamagedFileError, MissingTableError
-from fatigue_planner.files import publish_text
+from fatigue_planner.files import publish_csv
 
 KEY = ["condition", "n_cycles", "policy", "trial"]
 # Whether every run of the cell is the same, so that it was run once.
@@ -54,7 +54,7 @@ def regret_rows(cells: Sequence[Cell], regrets: Sequence[dict[int, Regret]]) -> 
 def publish_table(folder: Path, table: pd.DataFrame, files: Sequence[str]) -> None:
     """Write some of the tables; times, which are never the same twice, have a file of their own."""
     for file in files:
-        publish_text(folder / file, table[KEY + COLUMNS[file]].to_csv(index=False, lineterminator="\n"))
+        publish_csv(folder / file, table[KEY + COLUMNS[file]])
 
 
 def read_table(folder: Path, file: str, command: str) -> pd.DataFrame:

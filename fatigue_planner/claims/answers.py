@@ -18,6 +18,9 @@ class Answer(Enum):
         return {Answer.HOLDS: "reproduced", Answer.FAILS: "not reproduced", Answer.OPEN: "undetermined"}[self]
 
 
+VERDICTS = tuple(answer.verdict for answer in Answer)
+
+
 @dataclass(frozen=True)
 class Verdict:
     """On a claim, by the paper's own analysis and by the modern one."""

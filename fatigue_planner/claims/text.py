@@ -6,6 +6,8 @@ from typing import Any
 
 import pandas as pd
 
+from fatigue_planner.claims.answers import VERDICTS
+
 INDENT = "    "
 
 
@@ -56,4 +58,4 @@ def _counts(table: pd.DataFrame) -> str:
 
 def _count(verdicts: pd.Series) -> str:
     counts = verdicts.value_counts()
-    return ", ".join(f"{counts.get(name, 0)} {name}" for name in ("reproduced", "not reproduced", "undetermined"))
+    return ", ".join(f"{counts.get(name, 0)} {name}" for name in VERDICTS)

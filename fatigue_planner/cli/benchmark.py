@@ -43,7 +43,7 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, references, selected
-from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.files import publish_csv, publish_text, writable_folder
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
@@ -108,9 +108,9 @@ def benchmark(
     assert not table[OUTCOMES].isna().any(axis=None)
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
     comparison = comparison_table(table, settings.statistics.significance_level)
-    publish_text(folder / COMPARISON_FILE, comparison.to_csv(index=False, lineterminator="\n"))
+    publish_csv(folder / COMPARISON_FILE, comparison)
     contrasted = contrasts(table, settings.statistics, grid.benchmark.seed)
-    publish_text(folder / CONTRASTS_FILE, contrasted.to_csv(index=False, lineterminator="\n"))
+    publish_csv(folder / CONTRASTS_FILE, contrasted)
     summary = summary_text(comparison, settings.statistics.significance_level)
     summary += "\n" + contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]

@@ -10,7 +10,7 @@ from fatigue_planner.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.benchmark.table import TRIALS_FILE
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
 from fatigue_planner.experiment.results import load_results
-from fatigue_planner.files import digest_of_files, publish_text
+from fatigue_planner.files import digest_of_files, publish_csv
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
@@ -36,8 +36,8 @@ def claims(
     command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results)
     tables = load_results(experiment, folder, command)
     found = evaluate(loaded.claims, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
-    publish_text(folder / CLAIMS_FILE, found.claims.to_csv(index=False, lineterminator="\n"))
-    publish_text(folder / DETAIL_FILE, found.detail.to_csv(index=False, lineterminator="\n"))
+    publish_csv(folder / CLAIMS_FILE, found.claims)
+    publish_csv(folder / DETAIL_FILE, found.detail)
     read = [folder / name for name in (TRIALS_FILE, *([] if tables.bounds is None else [BOUNDS_FILE]))]
     configuration = {
         "claims": {name: claim.plain() for name, claim in loaded.claims.items()},

@@ -20,7 +20,7 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.errors import ExperimentError
-from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.files import publish_csv, publish_text, writable_folder
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import digests
@@ -103,7 +103,7 @@ def _publish(
     publish_text(files[0], "".join(f"{sentence}\n" for sentence in tables.lessons))
     for name, table in tables.files().items():
         files.append(folder / f"{name}.csv")
-        publish_text(files[-1], table.to_csv(index=False, lineterminator="\n"))
+        publish_csv(files[-1], table)
     drawn = draw_study(study, [one.point for one in reacted], tables, writable_folder(folder / FIGURES))
     configuration = {
         "study": study.settings.plain(),

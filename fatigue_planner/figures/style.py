@@ -8,7 +8,7 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.files import publish, publish_text
+from fatigue_planner.files import publish, publish_csv
 
 # Okabe & Ito's palette, told apart by the colour-blind; markers tell apart without colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -50,7 +50,7 @@ def save_figure(folder: Path, name: str, figure: Figure, data: pd.DataFrame) -> 
     publish(
         paths[1], lambda path: figure.savefig(path, metadata={"Date": None, "Creator": "fatplan"}, bbox_inches="tight")
     )
-    publish_text(paths[2], data.to_csv(index=False, lineterminator="\n"))
+    publish_csv(paths[2], data)
     return paths
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 import pandas as pd
 
-from fatigue_planner.claims.answers import Verdict
+from fatigue_planner.claims.answers import Answer, Verdict
 from fatigue_planner.claims.evaluation import FEWEST_RESAMPLES, verdicts
 from fatigue_planner.claims.loader import Claims
 from fatigue_planner.statistics.contrasts import contrasts
@@ -12,7 +12,7 @@ from fatigue_planner.statistics.contrasts import contrasts
 # The verdicts on the claims, by claim, from the trials of one point.
 VerdictsOf = Callable[[pd.DataFrame], Mapping[str, Verdict]]
 
-REPRODUCED = "reproduced"
+REPRODUCED = Answer.HOLDS.verdict
 ANALYSES = ("modern", "paper")
 
 

@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from fatigue_planner.statistics.rows import cells_of
+
 Vector = NDArray[np.float64]
 
 # Stars of Figure 5; the paper does not say its thresholds beyond 5 %, these are the usual ones.
@@ -71,7 +73,7 @@ def _compare(values: Vector, following: Vector | None, significance_level: float
 def comparison_table(trials: pd.DataFrame, significance_level: float) -> pd.DataFrame:
     """All cells of a table of trials, one row per policy, in rank order within each cell."""
     rows = []
-    for (condition, n_cycles), cell in trials.groupby(["condition", "n_cycles"], sort=False):
+    for condition, n_cycles, cell in cells_of(trials):
         for rank, ranked in enumerate(rank_policies(cell, significance_level), start=1):
             rows.append({"condition": condition, "n_cycles": n_cycles, "rank": rank} | vars(ranked))
     return pd.DataFrame(rows)

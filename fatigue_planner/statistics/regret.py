@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+from fatigue_planner.statistics.rows import cells_of
+
 GROUP = ["condition", "n_cycles", "policy"]
 
 
@@ -33,8 +35,8 @@ def regret_text(table: pd.DataFrame, references: dict[str, str]) -> str:
         "(mean ± standard error, and as a share of the run's cost), per decision, and how often nothing is lost.",
         "The reference, like the policies, plans for a task without end.",
     ]
-    for (condition, n_cycles), cell in table.groupby(["condition", "n_cycles"], sort=False):
-        lines += ["", f"{condition}, {n_cycles} cycles; reference: {references[str(condition)]}"]
+    for condition, n_cycles, cell in cells_of(table):
+        lines += ["", f"{condition}, {n_cycles} cycles; reference: {references[condition]}"]
         for row in cell.to_dict("records"):
             error = f" ± {row['run_loss_standard_error']:.1g}" if row["run_loss_standard_error"] > 0 else ""
             lines.append(

@@ -6,6 +6,8 @@ from typing import Any
 
 import pandas as pd
 
+from fatigue_planner.statistics.rows import cells_of
+
 
 def summary_text(comparison: pd.DataFrame, significance_level: float) -> str:
     """The comparison table in words, best policy first, each tested against the next one."""
@@ -14,7 +16,7 @@ def summary_text(comparison: pd.DataFrame, significance_level: float) -> str:
         f"Each policy is tested against the next one: Student's t-test, unpaired, at {100 * significance_level:g} % "
         "(ns: not significant).",
     ]
-    for (condition, n_cycles), cell in comparison.groupby(["condition", "n_cycles"], sort=False):
+    for condition, n_cycles, cell in cells_of(comparison):
         lines += ["", f"{condition}, {n_cycles} cycles"]
         for row in cell.to_dict("records"):
             lines.append(f"  {row['rank']}. {row['policy']:<16} {_estimate(row)}  {_test(row)}".rstrip())

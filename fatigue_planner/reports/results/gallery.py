@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from fatigue_planner.figures.style import save_figure
-from fatigue_planner.files import publish_text
+from fatigue_planner.files import publish_csv
 from fatigue_planner.reports.html.blocks import Picture
 
 
@@ -27,6 +27,6 @@ class Gallery:
     def add_table(self, name: str, data: pd.DataFrame) -> str:
         """Save a table as CSV; returns the file's name. Raises OutputFolderError."""
         path = self.folder / f"{name}.csv"
-        publish_text(path, data.to_csv(index=False, lineterminator="\n"))
+        publish_csv(path, data)
         self.files.append(path)
         return path.name

@@ -4,11 +4,13 @@ from collections import Counter
 
 import pandas as pd
 
+from fatigue_planner.claims.answers import VERDICTS
 from fatigue_planner.figures.style import words
 from fatigue_planner.reports.html.blocks import Block, Picture, Points, Section, Table, Text
 from fatigue_planner.reports.html.words import listing, significant
 from fatigue_planner.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.sensitivity.lessons import at_headline, percent
+from fatigue_planner.sensitivity.robustness import ANALYSES
 from fatigue_planner.statistics.rows import records
 
 LONGEST_REASON = 240
@@ -85,11 +87,10 @@ def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
     claims = study.tables.get("claims_over_points")
     if claims is None:
         return None
-    verdicts = ["reproduced", "not reproduced", "undetermined"]
     wide = claims.pivot_table(
         index="claim", columns=["analysis", "verdict"], values="points", aggfunc="sum", fill_value=0, sort=False
     )
-    columns = [(analysis, verdict) for analysis in ("modern", "paper") for verdict in verdicts]
+    columns = [(analysis, verdict) for analysis in ANALYSES for verdict in VERDICTS]
     wide = wide.reindex(columns=pd.MultiIndex.from_tuples(columns), fill_value=0)
     wide = wide.sort_values(columns[0], ascending=False, kind="stable")
     rows = [[str(claim).replace("_", " "), *(f"{count:.0f}" for count in counts)] for claim, counts in wide.iterrows()]
@@ -99,7 +100,7 @@ def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
         f"At how many of {points} settings (one at a time and combined) each claim of the paper is reproduced, by the "
         f"paired and corrected analysis and by the paper's own test, from {trials} runs each."
     )
-    header = ["claim", *verdicts, *(f"{verdict} (paper's test)" for verdict in verdicts)]
+    header = ["claim", *VERDICTS, *(f"{verdict} (paper's test)" for verdict in VERDICTS)]
     table = Table(caption, header, rows, f"{where}claims_over_points.csv")
     return Section("The paper's claims over all settings", [table])
 

@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
+from fatigue_planner.claims.answers import VERDICTS
 from fatigue_planner.claims.evaluation import Evaluation
 from fatigue_planner.reports.html.blocks import Section, Table, Text
 from fatigue_planner.reports.html.words import listing
 from fatigue_planner.reports.results.gallery import Gallery
 from fatigue_planner.statistics.rows import records
-
-VERDICTS = ("reproduced", "not reproduced", "undetermined")
 
 
 def claims_section(evaluation: Evaluation, file: Path, gallery: Gallery) -> Section:
