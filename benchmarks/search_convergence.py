@@ -16,10 +16,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fatigue_planner.compiled import compiled
+from fatigue_planner.executors.processes import available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.figures.style import COLOURS, MARKERS, new_figure, publish_png
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.pomcp import PomcpPolicy
 from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings

@@ -20,11 +20,11 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 
 import numpy as np
 
+from fatigue_planner.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -102,7 +102,9 @@ def library(grid: Experiment) -> None:
     for jobs, count in ((1, 25), (CORES, 25), (CORES, 50), (CORES, 75)):
         with tempfile.TemporaryDirectory() as folder:
             begin = time.perf_counter()
-            _, outcomes = ReactionCache(Path(folder)).complete(grid.name, requests[:count], jobs, lambda _: None)
+            _, outcomes = ReactionCache(Path(folder)).complete(
+                grid.name, requests[:count], LocalProcesses(jobs), lambda _: None
+            )
             seconds[jobs, count] = time.perf_counter() - begin
         assert all(outcome.verdict == "ok" for outcome in outcomes)
         own, workers = (

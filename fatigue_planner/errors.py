@@ -67,8 +67,8 @@ class StaleTableError(FatplanError):
     """The table of trials was made with other settings than the experiment has now."""
 
 
-class LostWorkerError(FatplanError):
-    """A worker process was killed from outside."""
+class LostWorkError(FatplanError):
+    """Some work kills the process that does it."""
 
     exit_code = ExitCode.FAILED_PARTS
 

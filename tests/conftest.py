@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -23,7 +24,9 @@ def paper() -> Experiment:
 def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A cache with the paper's library, made by the real simulation."""
     folder = tmp_path_factory.mktemp("cache")
-    _, outcomes = ReactionCache(folder).complete(paper.name, reaction_requests(paper), 2, lambda _: None)
+    _, outcomes = ReactionCache(folder).complete(
+        paper.name, reaction_requests(paper), LocalProcesses(2), lambda _: None
+    )
     assert [outcome.failure for outcome in outcomes] == [""] * 4
     return folder
 

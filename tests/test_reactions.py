@@ -11,6 +11,7 @@ import pytest
 from conftest import PAPER
 
 from fatigue_planner.errors import DamagedFileError, MissingLibraryError, OutputFolderError
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -43,7 +44,7 @@ def read_library(path: Path) -> Iterator[Reaction]:
 
 def complete(experiment: Experiment, folder: Path):
     cache = ReactionCache(folder)
-    path, outcomes = cache.complete(experiment.name, reaction_requests(experiment), 1, lambda _: None)
+    path, outcomes = cache.complete(experiment.name, reaction_requests(experiment), LocalProcesses(1), lambda _: None)
     return cache, path, outcomes
 
 

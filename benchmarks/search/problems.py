@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from fatigue_planner.executors.processes import available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.fatigue.cycle_map import CycleProfile
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, build_pomdp, one_worker
 from fatigue_planner.reactions.cache import ReactionCache

@@ -7,7 +7,7 @@ import typer
 
 from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs, counter, talk
 from fatigue_planner.errors import DamagedFileError, ExitCode, FatplanError, MissingLibraryError, OtherVersionError
-from fatigue_planner.parallel import run_parallel
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.reactions.audit import Audit, audit
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.library import names_in
@@ -37,8 +37,8 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
     audits = {}
     with counter(talk()) as bar:
         task = bar.add_task("Checking reactions", total=len(places))
-        for place, result in run_parallel(audit, places, jobs):
-            audits[place] = result
+        for place, result in LocalProcesses(jobs).run(audit, places):
+            audits[place] = result if isinstance(result, Audit) else Audit(*places[place], "failed", result.reason)
             bar.advance(task)
     ordered = [audits[place] for place in range(len(places))]
     _print(ordered, unreadable)

@@ -15,6 +15,7 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.errors import ExitCode
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
@@ -35,7 +36,7 @@ def simulate(
     store, console = ReactionCache(cache), talk()
     with counter(console) as bar:
         task = bar.add_task("Simulating reactions", total=len(requests))
-        path, outcomes = store.complete(settings.name, requests, jobs, lambda _: bar.advance(task))
+        path, outcomes = store.complete(settings.name, requests, LocalProcesses(jobs), lambda _: bar.advance(task))
     for warning in store.damaged:
         console.print(f"Warning: {warning}", markup=False)
     for outcome in outcomes:

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError, OtherVersionError
+from fatigue_planner.executors.executor import Executor, Lost
 from fatigue_planner.files import DIGEST_LENGTH, set_aside, writable_folder
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
-from fatigue_planner.parallel import run_parallel
 from fatigue_planner.reactions.library import (
     Source,
     assemble_library,
@@ -104,7 +104,11 @@ class ReactionCache:
         return tuple(self.stream(experiment, requests, how))
 
     def complete(
-        self, experiment: str, requests: Sequence[ReactionRequest], jobs: int, progress: Callable[[Outcome], None]
+        self,
+        experiment: str,
+        requests: Sequence[ReactionRequest],
+        executor: Executor,
+        progress: Callable[[Outcome], None],
     ) -> tuple[Path, list[Outcome]]:
         """Find or simulate every request; publish the library if none failed.
 
@@ -119,7 +123,13 @@ class ReactionCache:
         missing = [(request, self._partial(digest)) for digest, request in by_digest.items() if digest not in outcomes]
         if missing:
             writable_folder(self.folder / PARTIAL)
-        for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
+        for place, done in executor.run(_simulate_and_keep, missing):
+            request = missing[place][0]
+            outcome = (
+                Outcome(request.name, request.digest, "failed", False, failure=done.reason)
+                if isinstance(done, Lost)
+                else done
+            )
             outcomes[outcome.digest] = outcome
             places[outcome.digest] = (self._partial(outcome.digest), by_digest[outcome.digest].name)
             progress(outcome)
@@ -170,6 +180,10 @@ def _holds(path: Path, requests: Sequence[ReactionRequest]) -> bool:
 
 def _found(reaction: Reaction) -> Outcome:
     return Outcome(reaction.name, reaction.digest, reaction.quality.kept_as(), True, reaction.quality)
+
+
+def _lost(request: ReactionRequest, lost: Lost) -> Outcome:
+    return Outcome(request.name, request.digest, "failed", False, failure=lost.reason)
 
 
 def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:

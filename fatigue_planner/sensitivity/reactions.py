@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from fatigue_planner.executors.executor import Executor
 from fatigue_planner.experiment.resolve import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleProfile, cycle_profile
@@ -38,7 +39,7 @@ def react(
     study: str,
     points: Sequence[Point],
     cache: ReactionCache,
-    jobs: int,
+    executor: Executor,
     progress: Callable[[Outcome], None],
     command: str,
 ) -> list[Reacted]:
@@ -49,11 +50,11 @@ def react(
     `command` is what the user ran, for messages. Raises OutputFolderError.
     """
     requests = unique_requests(points)
-    _, outcomes = cache.complete(study, requests, jobs, progress)
+    _, outcomes = cache.complete(study, requests, executor, progress)
     failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
     good = [request for request in requests if request.digest not in failures]
     if failures and good:
-        cache.complete(study, good, jobs, lambda _: None)
+        cache.complete(study, good, executor, lambda _: None)
     needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
     reasons: dict[str, list[str]] = {}
     for point in points:
