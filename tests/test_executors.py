@@ -40,13 +40,13 @@ def test_every_item_is_done_once(jobs: int) -> None:
 
 
 def test_work_whose_process_dies_is_done_again_and_given_up_in_the_end(tmp_path: Path) -> None:
-    """Two pieces lose their process once and are done; one always does, and takes nothing with it."""
-    deaths = [0, 1, 0, 1, 0, 99, 0, 0]
+    """Two pieces lose their process once or twice and are done; one always does, and takes nothing with it."""
+    deaths = [0, 1, 0, 2, 0, 99, 0, 0]
     items = [(tmp_path, number, count) for number, count in enumerate(deaths)]
     found = dict(LocalProcesses(2).run(die, items))
     assert isinstance(found.pop(5), Lost)
     assert found == {number: number for number in range(8) if number != 5}
-    assert len(list(tmp_path.glob("5-*"))) <= MOST_DEATHS
+    assert len(list(tmp_path.glob("5-*"))) <= MOST_DEATHS + 1  # once in company
 
 
 def test_an_error_of_the_work_is_raised() -> None:

@@ -15,10 +15,8 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 R = TypeVar("R")
 
-# A piece of work whose workers died so often is given up: it is probably what kills them.
+# A piece of work that was alone with its worker when that died, so many times, is given up: it is what kills them.
 MOST_DEATHS = 3
-# From so many deaths on it is tried alone, after all others, so that it takes no innocent work with it.
-DEATHS_OF_A_SUSPECT = 2
 
 
 @dataclass(frozen=True)
@@ -28,8 +26,11 @@ class Lost:
     reason: str = f"its worker died {MOST_DEATHS} times, perhaps for want of memory"
 
 
+@dataclass(frozen=True)
 class Died:
-    """What became of a piece of work whose worker died."""
+    """What became of a piece of work whose worker died; `alone`: the worker had no other that it could have died of."""
+
+    alone: bool
 
 
 class Pool(ABC):
@@ -67,9 +68,9 @@ class Executor(ABC):
     def run(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R | Lost]]:
         """Do `work` on every item; yield (place of the item, result) as they come.
 
-        A piece of work whose worker dies is done again, up to MOST_DEATHS times; then its result is `Lost`. On an
-        interrupt (KeyboardInterrupt or the like) no more work is begun, the results of what is in progress are still
-        yielded, and then the interrupt is raised.
+        A piece of work whose worker dies is done again; one of several that its worker may have died of is done
+        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. On an interrupt (KeyboardInterrupt or the
+        like) no more work is begun, the results of what is in progress are still yielded, and then it is raised.
         """
         if not items:
             return
@@ -98,11 +99,11 @@ class Executor(ABC):
                     if not isinstance(result, Died):
                         yield place, result
                     elif interrupt is None:
-                        deaths[place] += 1
-                        if deaths[place] >= MOST_DEATHS:
+                        deaths[place] += result.alone
+                        if deaths[place] == MOST_DEATHS:
                             yield place, Lost()
                         else:
-                            (suspects if deaths[place] >= DEATHS_OF_A_SUSPECT else ready).append(place)
+                            (ready if result.alone else suspects).append(place)
         if interrupt is not None:
             raise interrupt
 

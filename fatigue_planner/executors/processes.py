@@ -74,15 +74,15 @@ class _ProcessPool(Pool):
     def finished(self) -> list[tuple[int, Any]]:
         """See Pool.finished. When a process dies, so do all: nobody knows which piece of work it was doing."""
         done, _ = wait(self._places, return_when=FIRST_COMPLETED)
-        broken = [future for future in done if isinstance(future.exception(), BrokenProcessPool)]
-        if broken:
+        alone = len(self._places) == 1
+        if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
             wait(self._places)
             done = set(self._places)
             self._executor.shutdown()
             self._started = False
             self._executor = self._new_executor()
         places = [(self._places.pop(future), future) for future in done]
-        return [(place, self._result(future)) for place, future in sorted(places, key=lambda one: one[0])]
+        return [(place, _result(future, alone)) for place, future in sorted(places, key=lambda one: one[0])]
 
     def close(self) -> None:
         """Drop what has not begun and end the processes after what they are doing."""
@@ -91,12 +91,12 @@ class _ProcessPool(Pool):
     def _new_executor(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(self._processes, get_context("spawn"), _follow_the_parent)
 
-    @staticmethod
-    def _result(future: Future[Any]) -> Any:
-        try:
-            return future.result()
-        except BrokenProcessPool:
-            return Died()
+
+def _result(future: Future[Any], alone: bool) -> Any:
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return Died(alone)
 
 
 def _follow_the_parent() -> None:
