@@ -69,8 +69,8 @@ class Executor(ABC):
         """Do `work` on every item; yield (place of the item, result) as they come.
 
         A piece of work whose worker dies is done again; one of several that its worker may have died of is done
-        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. On an interrupt (KeyboardInterrupt or the
-        like) no more work is begun, the results of what is in progress are still yielded, and then it is raised.
+        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. On an interrupt (KeyboardInterrupt or
+        the like) no more work is begun, the results of what is in progress are still yielded, and then it is raised.
         """
         if not items:
             return
