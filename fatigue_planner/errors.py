@@ -73,6 +73,20 @@ class LostWorkError(FatplanError):
     exit_code = ExitCode.FAILED_PARTS
 
 
+class ClusterError(FatplanError):
+    """No cluster is to be had at an address, or its workers would give other results."""
+
+
+class LostClusterError(FatplanError):
+    """The connection to a cluster broke before all work was done."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+
+class MissingExtraError(FatplanError):
+    """What was asked for needs libraries that are not installed by default."""
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

@@ -32,15 +32,16 @@ from fatigue_planner.cli.options import (
     DEFAULT_EXPERIMENT,
     DEFAULT_RESULTS,
     CacheFolder,
+    Dask,
     ExperimentFile,
     Jobs,
     ResultsFolder,
     command_line,
     counter,
+    executor_of,
     talk,
 )
 from fatigue_planner.executors.executor import Executor
-from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -84,6 +85,7 @@ def benchmark(
         bool, typer.Option("--dry-run", help="Only say what would be run and about how long it takes.")
     ] = False,
     jobs: Jobs = ALL_CORES,
+    dask: Dask = None,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
 ) -> None:
@@ -102,7 +104,7 @@ def benchmark(
     if dry_run:
         typer.echo(_plan(grid, grid_cells, store, jobs))
         return
-    executor = LocalProcesses(jobs)
+    executor = executor_of(jobs, dask)
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}

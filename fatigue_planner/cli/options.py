@@ -1,6 +1,7 @@
 """Options that several commands share."""
 
 import shlex
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -8,12 +9,22 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from fatigue_planner.executors.processes import available_cores
+from fatigue_planner.errors import MissingExtraError
+from fatigue_planner.executors.executor import Executor
+from fatigue_planner.executors.processes import LocalProcesses, available_cores
 
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the reaction libraries.")]
 ResultsFolder = Annotated[Path, typer.Option("--results", help="Folder of the results.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes to use; results do not depend on it.")]
+Dask = Annotated[
+    str | None,
+    typer.Option(
+        "--dask",
+        metavar="ADDRESS",
+        help="Work on the Dask cluster whose scheduler is at tcp://HOST:PORT or tls://HOST:PORT, instead of --jobs.",
+    ),
+]
 
 DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
 DEFAULT_CACHE = Path("cache")
@@ -33,6 +44,17 @@ def command_line(command: str, experiment: Path, cache: Path, results: Path = DE
     if results != DEFAULT_RESULTS:
         words += ["--results", str(results)]
     return shlex.join(words)
+
+
+def executor_of(jobs: int, dask: str | None) -> Executor:
+    """Where to work: on a cluster, or in `jobs` processes here. Raises ClusterError, MissingExtraError."""
+    if dask is None:
+        return LocalProcesses(jobs)
+    if find_spec("distributed") is None:
+        raise MissingExtraError("--dask needs Dask's distributed: pip install 'fatigue-planner[dask]'.")
+    from fatigue_planner.executors.dask import DaskCluster  # noqa: PLC0415 - an optional extra
+
+    return DaskCluster(dask)
 
 
 def talk() -> Console:

@@ -9,20 +9,24 @@ from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
     CacheFolder,
+    Dask,
     ExperimentFile,
     Jobs,
     counter,
+    executor_of,
     talk,
 )
 from fatigue_planner.errors import ExitCode
-from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 
 
 def simulate(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cache: CacheFolder = DEFAULT_CACHE,
+    jobs: Jobs = ALL_CORES,
+    dask: Dask = None,
 ) -> None:
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
@@ -32,11 +36,11 @@ def simulate(
     """
     begin = time.perf_counter()
     settings = load_experiment(experiment)
-    requests = reaction_requests(settings)
+    requests, executor = reaction_requests(settings), executor_of(jobs, dask)
     store, console = ReactionCache(cache), talk()
     with counter(console) as bar:
         task = bar.add_task("Simulating reactions", total=len(requests))
-        path, outcomes = store.complete(settings.name, requests, LocalProcesses(jobs), lambda _: bar.advance(task))
+        path, outcomes = store.complete(settings.name, requests, executor, lambda _: bar.advance(task))
     for warning in store.damaged:
         console.print(f"Warning: {warning}", markup=False)
     for outcome in outcomes:

@@ -41,6 +41,11 @@ class Pool(ABC):
     def capacity(self) -> int:
         """How many pieces of work it takes at once to keep all workers busy; at least 1."""
 
+    @property
+    @abstractmethod
+    def in_progress(self) -> int:
+        """How many pieces of work are begun and not yet returned by `finished`."""
+
     @abstractmethod
     def submit(self, place: int, item: Any) -> None:
         """Begin a piece of work; `place` is its number."""
@@ -49,7 +54,7 @@ class Pool(ABC):
     def finished(self) -> list[tuple[int, Any]]:
         """Wait until something is finished; the places and their results, or `Died`.
 
-        Raises what the work raised.
+        Nothing at all means that `capacity` or `in_progress` may have changed. Raises what the work raised.
         """
 
 
@@ -79,7 +84,7 @@ class Executor(ABC):
         pending: set[int] = set()
         interrupt: BaseException | None = None
         with self.pool(work, len(items)) as pool:
-            while pending or (interrupt is None and (ready or suspects)):
+            while (pending if interrupt is None else pool.in_progress) or (interrupt is None and (ready or suspects)):
                 while interrupt is None and _may_begin(ready, suspects, pending, pool.capacity):
                     place = (ready or suspects).popleft()
                     pending.add(place)

@@ -59,6 +59,11 @@ class _ProcessPool(Pool):
         """One more than there are processes, so that none waits for this one."""
         return self._processes + 1
 
+    @property
+    def in_progress(self) -> int:
+        """See Pool.in_progress."""
+        return len(self._places)
+
     def submit(self, place: int, item: Any) -> None:
         """See Pool.submit."""
         try:
