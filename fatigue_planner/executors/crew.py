@@ -23,7 +23,7 @@ from fatigue_planner.executors.executor import Died
 from fatigue_planner.executors.remote import unpacked
 
 # How often to look who is there; that somebody came or went is heard at once.
-LOOK_S = 10.0
+LOOK_S = 5.0
 # How long to wait for the first worker, or for another when all are gone: queues of clusters are long.
 PATIENCE_S = 3600.0
 
@@ -64,6 +64,7 @@ class Crew:
         self._waiting: deque[_Piece] = deque()
         self._removals = 0
         self._alone_since: float | None = None
+        self._told = False
         self._wake, self._lost = asyncio.Event(), asyncio.Event()
 
     @property
@@ -126,13 +127,15 @@ class Crew:
         if self._threads or self.in_progress:
             self._alone_since = None
         elif self._alone_since is None:
-            self._alone_since = time.monotonic()
-            self._note(f"Waiting for a worker of {self._address} (at most {PATIENCE_S / 60:.0f} minutes) ...")
+            self._alone_since, self._told = time.monotonic(), False
         elif time.monotonic() - self._alone_since > PATIENCE_S:
             raise ClusterError(
                 f"{self._address}: no worker for {PATIENCE_S / 60:.0f} minutes. Start workers (`dask worker "
                 f"{self._address}`) and run the same command again; what is finished is kept."
             )
+        elif not self._told and time.monotonic() - self._alone_since > LOOK_S / 2:  # a nanny needs a moment, too
+            self._told = True
+            self._note(f"Waiting for a worker of {self._address} (at most {PATIENCE_S / 60:.0f} minutes) ...")
 
     def _assign(self) -> None:
         while self._waiting:
@@ -194,7 +197,7 @@ class Crew:
             else:
                 self._waiting.append(_Piece(piece.place, piece.payload))
         if died:
-            self._note(f"The worker {address} died; {died} {'piece' if died == 1 else 'pieces'} of work begin again.")
+            self._note(f"The worker {address} died; {'its' if died == 1 else f'its {died} pieces of'} work begins again.")
         self._wake.set()
 
 
