@@ -11,6 +11,7 @@ import hashlib
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Hashable, Sequence
 from enum import Enum
 from functools import cache
@@ -27,6 +28,9 @@ from fatigue_planner.errors import OutputFolderError
 from fatigue_planner.files import DIGEST_LENGTH, PACKAGE, digest_of, digest_of_files, writable_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+# Where a function is kept is numba's setting for all threads: one makes functions at a time.
+_making = threading.RLock()
 
 
 @cache
@@ -76,7 +80,8 @@ def _compiled(function: F, options: dict[str, bool], keep: bool | None = None) -
     """Machine code, kept on disk or not; by itself only the package's own, whose changes the folder's name tells."""
     if keep is None:
         keep = Path(function.__code__.co_filename).is_relative_to(PACKAGE)
-    decorated: F = numba.njit(cache=keep, nogil=True, error_model="numpy", **options)(function)
+    with _making:
+        decorated: F = numba.njit(cache=keep, nogil=True, error_model="numpy", **options)(function)
     return decorated
 
 
@@ -99,7 +104,8 @@ def specialised(template: Callable[..., Any], compiler: Compiler = compiled, **p
     So one kernel serves every problem: the problem's functions become part of its machine code. Equal
     templates and parts give the same compiled function.
     """
-    return _specialised(template, compiler, tuple(sorted(parts.items())))
+    with _making:
+        return _specialised(template, compiler, tuple(sorted(parts.items())))
 
 
 @cache

@@ -197,7 +197,9 @@ class Crew:
             else:
                 self._waiting.append(_Piece(piece.place, piece.payload))
         if died:
-            self._note(f"The worker {address} died; {'its' if died == 1 else f'its {died} pieces of'} work begins again.")
+            self._note(
+                f"The worker {address} died; {'its' if died == 1 else f'its {died} pieces of'} work begins again."
+            )
         self._wake.set()
 
 

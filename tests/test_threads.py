@@ -1,0 +1,47 @@
+"""Threads of one process, as a Dask worker has them, do not get into each other's way."""
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numba
+import pytest
+
+from fatigue_planner.compiled import specialised
+from fatigue_planner.planners.leaf_values.bound import problem_bound
+
+PARTS = [numba.njit(eval(f"lambda x: x + {number}")) for number in range(40)]  # noqa: S307
+
+
+@pytest.fixture
+def hasty() -> Iterator[None]:
+    """Threads take turns as often as they can."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(interval)
+
+
+def in_threads(count: int, do: Callable[[int], object]) -> list[object]:
+    """What each of some threads returns that begin at the same time."""
+    gate, found = threading.Barrier(count), [None] * count
+
+    def one(number: int) -> None:
+        gate.wait()
+        found[number] = do(number)
+
+    threads = [threading.Thread(target=one, args=[number]) for number in range(count)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return found
+
+
+def test_kernels_made_in_threads_are_the_same_and_kept_in_one_place(hasty: None) -> None:
+    before = numba.config.CACHE_DIR
+    made = in_threads(8, lambda number: [specialised(problem_bound, bound=part) for part in PARTS])
+    assert numba.config.CACHE_DIR == before
+    assert all(one == made[0] for one in made)
+    assert {Path(before)} == {Path(kernel._cache.cache_path).parents[1] for kernel in made[0]}
