@@ -11,7 +11,7 @@ import pytest
 from fatigue_planner.compiled import specialised
 from fatigue_planner.planners.leaf_values.bound import problem_bound
 
-PARTS = [numba.njit(eval(f"lambda x: x + {number}")) for number in range(40)]  # noqa: S307
+PARTS = [numba.njit(eval(f"lambda x: x + {number}")) for number in range(40)]
 
 
 @pytest.fixture
@@ -42,6 +42,6 @@ def in_threads(count: int, do: Callable[[int], object]) -> list[object]:
 def test_kernels_made_in_threads_are_the_same_and_kept_in_one_place(hasty: None) -> None:
     before = numba.config.CACHE_DIR
     made = in_threads(8, lambda number: [specialised(problem_bound, bound=part) for part in PARTS])
-    assert numba.config.CACHE_DIR == before
+    assert before == numba.config.CACHE_DIR
     assert all(one == made[0] for one in made)
     assert {Path(before)} == {Path(kernel._cache.cache_path).parents[1] for kernel in made[0]}

@@ -21,7 +21,7 @@ from fatigue_planner.executors.remote import packed
 _ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.%\w]+\]):\d{1,5}")
 # Loggers that tell on the terminal, with tracebacks, what is handled here.
 _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application", "asyncio")
-_GOODBYE_S = 10.0
+_GOODBYE_S = 2.0
 
 
 class DaskCluster(Executor):
@@ -120,7 +120,7 @@ class _DaskPool(Pool):
             with suppress(RuntimeError):  # the loop has ended by itself
                 self._loop.call_soon_threadsafe(self._leader.cancel)
         if self._thread.ident is not None:
-            self._thread.join(_GOODBYE_S)
+            self._thread.join(2 * _GOODBYE_S)
 
     def _run(self) -> None:
         try:
@@ -134,13 +134,17 @@ class _DaskPool(Pool):
 
     async def _serve(self) -> None:
         self._loop, self._leader = asyncio.get_running_loop(), asyncio.current_task()
-        async with await self._connected() as client:
+        client = await self._connected()
+        try:
             crew = Crew(client, self._take, self._hear_of_change, self._take_note)
             await crew.begin()
             with self._news:
                 self._crew = crew
                 self._news.notify()
             await crew.lead()
+        finally:
+            with suppress(OSError, TimeoutError):  # if the scheduler is gone, it would try to find it again
+                await asyncio.wait_for(client.close(), _GOODBYE_S)
 
     async def _connected(self) -> Client:
         try:

@@ -1,0 +1,347 @@
+"""Many machines: a Dask cluster gives the same bytes, whatever becomes of its workers."""
+
+import os
+import random
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import PAPER
+from dask_clusters import Cluster, Killer, cluster
+
+from fatigue_planner.benchmark.grid import Cell
+from fatigue_planner.benchmark.job import Job
+from fatigue_planner.benchmark.runner import run_grid
+from fatigue_planner.benchmark.store import TrialStore
+from fatigue_planner.benchmark.table import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
+from fatigue_planner.cli.options import executor_of
+from fatigue_planner.errors import (
+    ClusterError,
+    ExitCode,
+    FailedMotionError,
+    LostClusterError,
+    LostWorkError,
+    MissingExtraError,
+)
+from fatigue_planner.executors import crew
+from fatigue_planner.executors.dask import DaskCluster
+from fatigue_planner.executors.executor import Executor, Lost
+from fatigue_planner.executors.processes import LocalProcesses
+from fatigue_planner.experiment.resolve import cycle_profiles, situation
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.planners.settings import GreedySettings, PomcpSettings, RandomSettings
+from fatigue_planner.reactions.reaction import Reaction
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """Two workers, each with a nanny that starts it again."""
+    with cluster(tmp_path_factory.mktemp("dask")) as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+    policies = {
+        "random": RandomSettings(kind="random"),
+        "greedy": GreedySettings(kind="greedy"),
+        "search": PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=300),
+    }
+    profiles = cycle_profiles(paper, reactions)
+    return [
+        Cell(condition, 20, policy, settings, situation(paper, profiles, chosen), seed=7, trials=60)
+        for condition, chosen in paper.benchmark.conditions.items()
+        for policy, settings in policies.items()
+    ]
+
+
+def tables(cells: Sequence[Cell], folder: Path, executor: Executor) -> bytes:
+    results, warnings = run_grid(cells, folder / "parts", executor, lambda cell, n: None)
+    assert warnings == []
+    publish_table(folder, trial_table(cells, results), [TRIALS_FILE, ACTIONS_FILE])
+    return b"".join((folder / name).read_bytes() for name in (TRIALS_FILE, ACTIONS_FILE))
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def slow_square(number: int) -> int:
+    time.sleep(0.2)
+    return number * number
+
+
+def die(item: tuple[Path, int, int]) -> int:
+    """Kill the own process the first so many times; counts the attempts in a folder."""
+    folder, number, deaths = item
+    attempt = len(list(folder.glob(f"{number}-*")))
+    (folder / f"{number}-{attempt}").touch()
+    if attempt < deaths:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def fail(number: int) -> int:
+    if number == 3:
+        raise FailedMotionError("the third")
+    return number
+
+
+def test_every_item_is_done_once(two: Cluster) -> None:
+    executor = DaskCluster(two.address)
+    assert sorted(executor.run(square, range(50))) == [(place, place * place) for place in range(50)]
+    assert list(executor.run(square, [])) == []
+    assert executor.workers == 2
+
+
+def test_an_error_of_the_work_is_raised_as_it_is(two: Cluster) -> None:
+    with pytest.raises(FailedMotionError, match=r"^the third$"):
+        list(DaskCluster(two.address).run(fail, range(10)))
+
+
+def test_a_benchmark_whose_workers_are_killed_ends_in_the_same_bytes(
+    cells: list[Cell], two: Cluster, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    here = tables(cells, tmp_path / "here", LocalProcesses(2))
+    with Killer(two, seed=1, pause_s=(0.2, 0.5), most=2) as killer:
+        there = tables(cells, tmp_path / "there", DaskCluster(two.address))
+    assert killer.kills == 2
+    assert there == here
+    told = capfd.readouterr()
+    assert told.out == "" and all(
+        line.startswith(("The worker tcp://", "Waiting for")) for line in told.err.splitlines()
+    )
+
+
+def test_reactions_simulated_there_are_the_same(paper: Experiment, two: Cluster) -> None:
+    """The bytes of every array of every motion; at a coarse time step."""
+    from fatigue_planner.experiment.resolve import reaction_requests
+    from fatigue_planner.motion.simulator import simulate
+
+    coarse = paper.model_copy(
+        update={
+            "cycle": Cycle(reach_s=1.0, work_s=0.2, return_s=1.0),
+            "controller": paper.controller.model_copy(update={"time_step_s": 0.01}),
+        }
+    )
+    motions = [request.motion for request in reaction_requests(coarse)]
+    here, there = (dict(executor.run(simulate, motions)) for executor in (LocalProcesses(2), DaskCluster(two.address)))
+    assert len(here) == 4
+    for place, motion in here.items():
+        for name, value in vars(motion).items():
+            other = getattr(there[place], name)
+            assert value.tobytes() == other.tobytes() if hasattr(value, "tobytes") else value == other, name
+
+
+@dataclass(frozen=True)
+class Deadly(Job[Any]):
+    """A job one of whose trials kills the process that does it; the attempts are counted in a folder."""
+
+    inner: Cell
+    folder: Path
+    trial: int
+
+    @property
+    def name(self) -> str:
+        return self.inner.name
+
+    @property
+    def effort(self) -> int:
+        return self.inner.effort
+
+    def digest(self) -> str:
+        return self.inner.digest()
+
+    def trial_numbers(self) -> Sequence[int]:
+        return range(20)
+
+    def run(self, trials: Sequence[int]) -> dict[int, Any]:
+        if self.trial in trials:
+            die((self.folder, self.trial, 99))
+        return self.inner.run(trials)
+
+    def result_of(self, row: Mapping[str, Any]) -> Any:
+        return self.inner.result_of(row)
+
+    def outcome(self, result: Any) -> tuple[Any, ...]:
+        return self.inner.outcome(result)
+
+
+def test_what_kills_its_worker_three_times_is_reported_and_the_rest_is_kept(
+    cells: list[Cell], two: Cluster, tmp_path: Path
+) -> None:
+    job = Deadly(cells[0], tmp_path, 7)
+    with pytest.raises(LostWorkError, match=r"single_novice/20/random, trials 5 to 9: its worker died 3 times") as lost:
+        run_grid([job], tmp_path / "parts", DaskCluster(two.address), lambda *_: None)
+    assert lost.value.exit_code == ExitCode.FAILED_PARTS
+    assert len(list(tmp_path.glob("7-*"))) == 3
+    assert sorted(TrialStore(tmp_path / "parts").load(job)) == [*range(5), *range(10, 20)]
+
+
+def test_work_whose_worker_dies_is_done_again(two: Cluster, tmp_path: Path) -> None:
+    items = [(tmp_path, number, count) for number, count in enumerate([0, 1, 0, 2])]
+    assert dict(DaskCluster(two.address).run(die, items)) == dict(enumerate(range(4)))
+
+
+class Interrupt(BaseException):
+    pass
+
+
+def interrupted(_number: int, _frame: object) -> None:
+    raise Interrupt
+
+
+def test_after_an_interrupt_what_is_in_progress_is_still_delivered(two: Cluster) -> None:
+    def until_interrupted() -> Iterator[int]:
+        for place, _ in DaskCluster(two.address).run(slow_square, range(50)):
+            yield place
+            if place == 1:
+                signal.setitimer(signal.ITIMER_REAL, 0.05)
+
+    found = []
+    before = signal.signal(signal.SIGALRM, interrupted)
+    try:
+        with pytest.raises(Interrupt):
+            found.extend(until_interrupted())
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert 2 <= len(found) <= 6
+
+
+@pytest.mark.parametrize("address", ["localhost:8786", "http://a:1", "tcp://", "tcp://a", "tls://a b:1", "tcp://a:1/x"])
+def test_what_is_no_address_is_refused(address: str) -> None:
+    with pytest.raises(ClusterError, match=r"must be the address of a Dask scheduler, tcp://HOST:PORT or tls://") as no:
+        executor_of(1, address)
+    assert no.value.exit_code == ExitCode.BAD_INPUT
+
+
+def test_without_the_extra_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(MissingExtraError, match=r"pip install 'fatigue-planner\[dask\]'"):
+        executor_of(1, "tcp://127.0.0.1:8786")
+    assert isinstance(executor_of(1, None), LocalProcesses)
+
+
+def test_where_no_scheduler_is_there_is_one_message() -> None:
+    import dask
+
+    with socket.socket() as unused:
+        unused.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
+        with (
+            dask.config.set({"distributed.comm.timeouts.connect": "1s"}),
+            pytest.raises(ClusterError, match=r"cannot be reached .* Check that `dask scheduler` runs there\.$"),
+        ):
+            list(DaskCluster(address).run(square, [1]))
+
+
+def test_workers_that_could_give_other_results_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Nobody; then one without fatplan, one with another, one with threads, and at last one that is right."""
+    monkeypatch.setattr(crew, "LOOK_S", 0.2)
+    with cluster(tmp_path, workers=0) as one:
+        executor = DaskCluster(one.address)
+        monkeypatch.setattr(crew, "PATIENCE_S", 0.5)
+        with pytest.raises(ClusterError, match=r"no worker for .* minutes"):
+            list(executor.run(square, [1]))
+        assert "Waiting for a worker of tcp://" in capfd.readouterr().err
+        monkeypatch.setattr(crew, "PATIENCE_S", 60.0)
+        for name in ("none", "other"):
+            (tmp_path / name).mkdir()
+        (tmp_path / "none" / "fatigue_planner").mkdir()
+        (tmp_path / "none" / "fatigue_planner" / "__init__.py").touch()
+        import shutil
+
+        copy = tmp_path / "other" / "fatigue_planner"
+        shutil.copytree(PAPER.parents[1] / "fatigue_planner", copy, ignore=shutil.ignore_patterns("__pycache__"))
+        (copy / "streams.py").write_text((copy / "streams.py").read_text() + "# changed\n")
+        for environment, message in (
+            ({"PYTHONPATH": str(tmp_path / "none")}, "has no fatplan like this one"),
+            ({"PYTHONPATH": str(tmp_path / "other")}, r"has fatplan's files \w{16} instead of \w{16}: its results"),
+            ({"OMP_NUM_THREADS": "2"}, "was not started with OMP_NUM_THREADS=1"),
+        ):
+            one.add(nanny=False, **environment)
+            with pytest.raises(ClusterError, match=message):
+                list(executor.run(square, [1]))
+            one.workers[-1].kill()
+            one.workers[-1].wait()
+        one.add(nanny=False)
+        assert list(executor.run(square, [3])) == [(0, 9)]
+
+
+def test_a_scheduler_that_is_lost_is_one_error(tmp_path: Path) -> None:
+    with cluster(tmp_path, workers=1) as one:
+        found = []
+        with pytest.raises(
+            LostClusterError, match=r"is lost\. What is finished is kept; the same command goes on"
+        ) as lost:
+            for place, _ in DaskCluster(one.address).run(slow_square, range(100)):
+                found.append(place)
+                if len(found) == 2:
+                    one.scheduler.kill()
+        assert lost.value.exit_code == ExitCode.FAILED_PARTS
+        assert 2 <= len(found) < 10
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("nanny", "threads"), [(True, 1), (False, 1), (True, 2)])
+def test_many_kills_change_nothing(cells: list[Cell], tmp_path: Path, nanny: bool, threads: int) -> None:
+    """At least 10 kills of each kind of cluster; every part is kept once."""
+    here = tables(cells, tmp_path / "here", LocalProcesses(2))
+    with cluster(tmp_path / "dask", workers=0) as one:
+        for _ in range(2):
+            one.add("--nthreads", str(threads), nanny=nanny)
+        kills, run = 0, 0
+        while kills < 10:
+            run += 1
+            with Killer(one, seed=run, pause_s=(0.5, 3.0), replace=not nanny) as killer:
+                assert tables(cells, tmp_path / f"there-{run}", DaskCluster(one.address)) == here
+            kills += killer.kills
+            parts = sorted((tmp_path / f"there-{run}" / "parts").rglob("*.json"))
+            assert len(parts) == len(sorted((tmp_path / "here" / "parts").rglob("*.json")))
+            assert run < 40
+
+
+@pytest.mark.slow
+def test_several_at_a_time_die_and_only_the_culprit_is_given_up(tmp_path: Path) -> None:
+    """Two threads per worker: who was in company is done again alone."""
+    deaths = [0, 1, 0, 2, 0, 99, 0, 0, 0, 0]
+    with cluster(tmp_path / "dask", workers=0) as one:
+        one.add("--nthreads", "2")
+        one.add("--nthreads", "2")
+        found = dict(DaskCluster(one.address).run(die, [(tmp_path, n, count) for n, count in enumerate(deaths)]))
+    assert isinstance(found.pop(5), Lost)
+    assert found == {number: number for number in range(10) if number != 5}
+
+
+@pytest.mark.slow
+def test_a_scheduler_of_little_patience_changes_nothing(tmp_path: Path) -> None:
+    """It gives a task up at its first death, with an error of its own."""
+    deaths = [0, 1, 2, 99, 0]
+    environment = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
+    with cluster(tmp_path / "dask", environment=environment) as one:
+        found = dict(DaskCluster(one.address).run(die, [(tmp_path, n, count) for n, count in enumerate(deaths)]))
+    assert isinstance(found.pop(3), Lost) and found == {0: 0, 1: 1, 2: 2, 4: 4}
+    assert len(list(tmp_path.glob("3-*"))) == 3
+
+
+@pytest.mark.slow
+def test_workers_told_to_go_have_not_died_of_their_work(tmp_path: Path) -> None:
+    """As a queue does that wants its machines back: SIGTERM to the nanny, again and again."""
+    rng = random.Random(0)
+    with cluster(tmp_path, workers=2) as one:
+        results = {}
+        for place, result in DaskCluster(one.address).run(slow_square, range(40)):
+            results[place] = result
+            if len(results) % 8 == 0:
+                one.add()
+                rng.choice(one.workers[-3:-1]).terminate()
+    assert results == {number: number * number for number in range(40)}
