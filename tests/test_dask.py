@@ -1,11 +1,9 @@
 """Many machines: a Dask cluster gives the same bytes, whatever becomes of its workers."""
 
-import os
 import random
 import signal
 import socket
 import sys
-import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import Any
 import pytest
 from conftest import PAPER
 from dask_clusters import Cluster, Killer, cluster
+from pieces import Interrupt, die, fail, interrupted, slow_square, square
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.job import Job
@@ -67,31 +66,6 @@ def tables(cells: Sequence[Cell], folder: Path, executor: Executor) -> bytes:
     assert warnings == []
     publish_table(folder, trial_table(cells, results), [TRIALS_FILE, ACTIONS_FILE])
     return b"".join((folder / name).read_bytes() for name in (TRIALS_FILE, ACTIONS_FILE))
-
-
-def square(number: int) -> int:
-    return number * number
-
-
-def slow_square(number: int) -> int:
-    time.sleep(0.2)
-    return number * number
-
-
-def die(item: tuple[Path, int, int]) -> int:
-    """Kill the own process the first so many times; counts the attempts in a folder."""
-    folder, number, deaths = item
-    attempt = len(list(folder.glob(f"{number}-*")))
-    (folder / f"{number}-{attempt}").touch()
-    if attempt < deaths:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number
-
-
-def fail(number: int) -> int:
-    if number == 3:
-        raise FailedMotionError("the third")
-    return number
 
 
 def test_every_item_is_done_once(two: Cluster) -> None:
@@ -188,14 +162,6 @@ def test_what_kills_its_worker_three_times_is_reported_and_the_rest_is_kept(
 def test_work_whose_worker_dies_is_done_again(two: Cluster, tmp_path: Path) -> None:
     items = [(tmp_path, number, count) for number, count in enumerate([0, 1, 0, 2])]
     assert dict(DaskCluster(two.address).run(die, items)) == dict(enumerate(range(4)))
-
-
-class Interrupt(BaseException):
-    pass
-
-
-def interrupted(_number: int, _frame: object) -> None:
-    raise Interrupt
 
 
 def test_after_an_interrupt_what_is_in_progress_is_still_delivered(two: Cluster) -> None:

@@ -1,35 +1,15 @@
 """Work survives the workers that do it."""
 
-import os
 import signal
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pieces import Interrupt, die, fail, interrupted, slow_square, square
 
+from fatigue_planner.errors import FailedMotionError
 from fatigue_planner.executors.executor import MOST_DEATHS, Lost
 from fatigue_planner.executors.processes import LocalProcesses
-
-
-def square(number: int) -> int:
-    return number * number
-
-
-def die(item: tuple[Path, int, int]) -> int:
-    """Kill the own process the first so many times; counts the attempts in a folder."""
-    folder, number, deaths = item
-    attempt = len(list(folder.glob(f"{number}-*")))
-    (folder / f"{number}-{attempt}").touch()
-    if attempt < deaths:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number
-
-
-def fail(number: int) -> int:
-    if number == 3:
-        raise ValueError("three")
-    return number
 
 
 @pytest.mark.parametrize("jobs", [1, 2, 5])
@@ -50,26 +30,13 @@ def test_work_whose_process_dies_is_done_again_and_given_up_in_the_end(tmp_path:
 
 
 def test_an_error_of_the_work_is_raised() -> None:
-    with pytest.raises(ValueError, match="three"):
+    with pytest.raises(FailedMotionError, match=r"^the third$"):
         list(LocalProcesses(2).run(fail, range(10)))
-
-
-class Interrupt(BaseException):
-    pass
-
-
-def interrupted(_number: int, _frame: object) -> None:
-    raise Interrupt
-
-
-def slow(number: int) -> int:
-    time.sleep(0.3)
-    return number
 
 
 def test_after_an_interrupt_what_is_in_progress_is_still_delivered(capsys: pytest.CaptureFixture[str]) -> None:
     def until_interrupted() -> Iterator[int]:
-        for place, _ in LocalProcesses(2).run(slow, range(50)):
+        for place, _ in LocalProcesses(2).run(slow_square, range(50)):
             yield place
             if place == 1:
                 signal.setitimer(signal.ITIMER_REAL, 0.05)

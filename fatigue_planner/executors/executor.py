@@ -85,11 +85,11 @@ class Executor(ABC):
         interrupt: BaseException | None = None
         with self.pool(work, len(items)) as pool:
             while (pending if interrupt is None else pool.in_progress) or (interrupt is None and (ready or suspects)):
-                while interrupt is None and _may_begin(ready, suspects, pending, pool.capacity):
-                    place = (ready or suspects).popleft()
-                    pending.add(place)
-                    pool.submit(place, items[place])
                 try:
+                    while interrupt is None and _may_begin(ready, suspects, pending, pool.capacity):
+                        place = (ready or suspects).popleft()
+                        pending.add(place)
+                        pool.submit(place, items[place])
                     done = pool.finished()
                 except Exception:
                     raise
