@@ -3,8 +3,12 @@
 import os
 import signal
 import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+from fatigue_planner.benchmark.job import Job
 from fatigue_planner.errors import FailedMotionError
 
 
@@ -39,3 +43,43 @@ class Interrupt(BaseException):
 
 def interrupted(_number: int, _frame: object) -> None:
     raise Interrupt
+
+
+@dataclass(frozen=True)
+class Squared:
+    """What a trial of Deadly comes to."""
+
+    square: int
+
+
+@dataclass(frozen=True)
+class Deadly(Job[Squared]):
+    """Twenty trials one of which kills the process that does it; the attempts are counted in a folder."""
+
+    folder: Path
+    trial: int
+
+    @property
+    def name(self) -> str:
+        return "deadly"
+
+    @property
+    def effort(self) -> int:
+        return 1
+
+    def digest(self) -> str:
+        return "0" * 64
+
+    def trial_numbers(self) -> Sequence[int]:
+        return range(20)
+
+    def run(self, trials: Sequence[int]) -> dict[int, Squared]:
+        if self.trial in trials:
+            die((self.folder, self.trial, 99))
+        return {trial: Squared(square(trial)) for trial in trials}
+
+    def result_of(self, row: Mapping[str, Any]) -> Squared:
+        return Squared(**row)
+
+    def outcome(self, result: Squared) -> tuple[Any, ...]:
+        return (result.square,)

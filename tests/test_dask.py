@@ -4,18 +4,15 @@ import random
 import signal
 import socket
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 from conftest import PAPER
 from dask_clusters import Cluster, Killer, cluster
-from pieces import Interrupt, die, fail, interrupted, slow_square, square
+from pieces import Deadly, Interrupt, die, fail, interrupted, slow_square, square
 
 from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.job import Job
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.benchmark.table import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
@@ -55,7 +52,7 @@ def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
     }
     profiles = cycle_profiles(paper, reactions)
     return [
-        Cell(condition, 20, policy, settings, situation(paper, profiles, chosen), seed=7, trials=60)
+        Cell(condition, 10, policy, settings, situation(paper, profiles, chosen), seed=7, trials=40)
         for condition, chosen in paper.benchmark.conditions.items()
         for policy, settings in policies.items()
     ]
@@ -114,45 +111,9 @@ def test_reactions_simulated_there_are_the_same(paper: Experiment, two: Cluster)
             assert value.tobytes() == other.tobytes() if hasattr(value, "tobytes") else value == other, name
 
 
-@dataclass(frozen=True)
-class Deadly(Job[Any]):
-    """A job one of whose trials kills the process that does it; the attempts are counted in a folder."""
-
-    inner: Cell
-    folder: Path
-    trial: int
-
-    @property
-    def name(self) -> str:
-        return self.inner.name
-
-    @property
-    def effort(self) -> int:
-        return self.inner.effort
-
-    def digest(self) -> str:
-        return self.inner.digest()
-
-    def trial_numbers(self) -> Sequence[int]:
-        return range(20)
-
-    def run(self, trials: Sequence[int]) -> dict[int, Any]:
-        if self.trial in trials:
-            die((self.folder, self.trial, 99))
-        return self.inner.run(trials)
-
-    def result_of(self, row: Mapping[str, Any]) -> Any:
-        return self.inner.result_of(row)
-
-    def outcome(self, result: Any) -> tuple[Any, ...]:
-        return self.inner.outcome(result)
-
-
-def test_what_kills_its_worker_three_times_is_reported_and_the_rest_is_kept(
-    cells: list[Cell], two: Cluster, tmp_path: Path
-) -> None:
-    job = Deadly(cells[0], tmp_path, 7)
-    with pytest.raises(LostWorkError, match=r"single_novice/20/random, trials 5 to 9: its worker died 3 times") as lost:
+def test_what_kills_its_worker_three_times_is_reported_and_the_rest_is_kept(two: Cluster, tmp_path: Path) -> None:
+    job = Deadly(tmp_path, 7)
+    with pytest.raises(LostWorkError, match=r"deadly, trials 5 to 9: its worker died 3 times") as lost:
         run_grid([job], tmp_path / "parts", DaskCluster(two.address), lambda *_: None)
     assert lost.value.exit_code == ExitCode.FAILED_PARTS
     assert len(list(tmp_path.glob("7-*"))) == 3
