@@ -22,11 +22,9 @@ def paper() -> Experiment:
 
 @pytest.fixture(scope="session")
 def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache with the paper's library, made by the real simulation."""
+    """A cache with the paper's reactions, made by the real simulation."""
     folder = tmp_path_factory.mktemp("cache")
-    _, outcomes = ReactionCache(folder).complete(
-        paper.name, reaction_requests(paper), LocalProcesses(2), lambda _: None
-    )
+    outcomes = ReactionCache(folder).complete(reaction_requests(paper), LocalProcesses(2), lambda _: None)
     assert [outcome.failure for outcome in outcomes] == [""] * 4
     return folder
 

@@ -25,9 +25,8 @@ from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.files import publish_csv, publish_text, writable_folder
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.sensitivity.design import Point, design
-from fatigue_planner.sensitivity.reactions import Reacted, react, unique_requests
+from fatigue_planner.sensitivity.reactions import Reacted, react, unique_digests, unique_requests
 from fatigue_planner.sensitivity.robustness import judge
 from fatigue_planner.sensitivity.run import StudyGrid
 from fatigue_planner.sensitivity.study import Study, load_study
@@ -66,7 +65,7 @@ def _react(
     console = talk()
     with _bar() as bar:
         task = bar.add_task(f"Reactions of {len(points)} points", total=len(unique_requests(points)))
-        reacted = react(study.settings.name, points, cache, executor, lambda _: bar.advance(task), command)
+        reacted = react(points, cache, executor, lambda _: bar.advance(task), command)
     for warning in cache.damaged:
         console.print(f"Warning: {warning}", markup=False)
     feasible = sum(one.profiles is not None for one in reacted)
@@ -116,7 +115,7 @@ def _publish(
         "study": study.settings.plain(),
         "experiment": study.base.plain(),
         "seed": study.base.benchmark.seed,
-        "reactions": digests(unique_requests([one.point for one in reacted])),
+        "reactions": unique_digests([one.point for one in reacted]),
         "figures": [path.stem for path in drawn if path.suffix == ".svg"],
     }
     publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])
