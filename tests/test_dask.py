@@ -3,6 +3,7 @@
 import random
 import signal
 import socket
+import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -216,6 +217,40 @@ def test_a_scheduler_that_is_lost_is_one_error(tmp_path: Path) -> None:
                     one.scheduler.kill()
         assert lost.value.exit_code == ExitCode.FAILED_PARTS
         assert 2 <= len(found) < 10
+
+
+def certificate(folder: Path) -> dict[str, str]:
+    """Dask's settings for a new key whose certificate is its own authority, as docs/cluster.md makes it."""
+    folder.mkdir()
+    call = "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 2"
+    files = ["-keyout", "key.pem", "-out", "cert.pem"]
+    extra = ["-subj", "/CN=fatplan", "-addext", "keyUsage=critical,digitalSignature,keyCertSign"]
+    subprocess.run([*call.split(), *files, *extra], cwd=folder, check=True, capture_output=True)
+    settings = {"distributed.comm.tls.ca-file": str(folder / "cert.pem"), "distributed.comm.require-encryption": "true"}
+    for role in ("scheduler", "worker", "client"):
+        settings[f"distributed.comm.tls.{role}.cert"] = str(folder / "cert.pem")
+        settings[f"distributed.comm.tls.{role}.key"] = str(folder / "key.pem")
+    return settings
+
+
+def test_with_tls_only_who_has_the_key_gets_in(tmp_path: Path) -> None:
+    import dask
+
+    ours, others = certificate(tmp_path / "ours"), certificate(tmp_path / "others")
+    environment = {f"DASK_{name.upper().replace('.', '__').replace('-', '_')}": value for name, value in ours.items()}
+    brief = {"distributed.comm.timeouts.connect": "1s"}
+    with cluster(tmp_path / "dask", workers=1, scheme="tls", environment=environment) as one:
+        assert one.address.startswith("tls://")
+        with dask.config.set(ours):
+            assert dict(DaskCluster(one.address).run(square, [1, 2])) == {0: 1, 1: 4}
+        for wrong in ({}, others):
+            with (
+                dask.config.set(wrong | brief),
+                pytest.raises(ClusterError, match=r"cannot be reached .* the certificates are right"),
+            ):
+                list(DaskCluster(one.address).run(square, [1]))
+        with dask.config.set(brief), pytest.raises(ClusterError, match="cannot be reached"):
+            list(DaskCluster(one.address.replace("tls", "tcp")).run(square, [1]))
 
 
 @pytest.mark.slow

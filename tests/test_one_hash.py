@@ -18,7 +18,8 @@ from dask_clusters import Cluster, cluster
 HERE = Path(__file__).parent
 # kind, workers, order of work, hash seed, how many kills
 LOCAL = [
-    ("processes", 1, 1, "0", 0), ("processes", 1, 2, "1", 0), ("processes", 2, 3, "2", 0), ("processes", 2, 4, "random", 0),
+    ("processes", 1, 1, "0", 0), ("processes", 1, 2, "1", 0), ("processes", 2, 3, "2", 0),
+    ("processes", 2, 4, "random", 0),
     ("processes", 3, 5, "3", 0), ("processes", 1, 6, "4", 2), ("processes", 2, 7, "5", 3), ("processes", 2, 8, "6", 3),
     ("threads", 1, 9, "0", 0), ("threads", 2, 10, "1", 0), ("threads", 2, 11, "2", 0), ("threads", 3, 12, "random", 0),
     ("threads", 4, 13, "3", 0), ("threads", 8, 14, "4", 0), ("threads", 2, 15, "5", 2), ("threads", 4, 16, "6", 3),
@@ -36,7 +37,7 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The paper's experiment with few trials of few cycles."""
     settings = yaml.safe_load(PAPER.read_text(encoding="utf-8"))
     settings["benchmark"] |= {"n_cycles": [3, 12], "trials": 12}
-    for policy in settings["policies"].values():
+    for policy in settings["benchmark"]["policies"].values():
         if "descents" in policy:
             policy["descents"] = 60
     path = tmp_path_factory.mktemp("experiment") / "small.yaml"
@@ -52,7 +53,6 @@ def expected(small: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
         ("simulate", []),
         ("benchmark", ["--regret", "--bound", "--results", str(folder / "results")]),
     ):
-        call = [sys.executable, "-m", "fatigue_planner.cli.entry"]
         code = "from fatigue_planner.cli.entry import run; run()"
         call = [sys.executable, "-c", code, command, str(small), "--jobs", "1", "--cache", str(folder / "cache"), *more]
         subprocess.run(call, check=True, capture_output=True)
@@ -64,15 +64,8 @@ def hash_of(folder: Path) -> str:
     files = sorted([*folder.glob("cache/*.h5"), *folder.glob("results/small/*.*")])
     named = [path for path in files if path.name != "planning_times.csv"]
     assert len([path for path in named if path.suffix == ".h5"]) == 4
-    assert {
-        "trials.csv",
-        "actions.csv",
-        "contrasts.csv",
-        "regret.csv",
-        "bounds.csv",
-        "summary.txt",
-        "manifest.json",
-    } <= {path.name for path in named}
+    tables = {"trials.csv", "actions.csv", "contrasts.csv", "regret.csv", "bounds.csv", "summary.txt", "manifest.json"}
+    assert tables <= {path.name for path in named}
     return hashlib.sha256(b"".join(path.name.encode() + path.read_bytes() for path in named)).hexdigest()
 
 
