@@ -143,6 +143,12 @@ def test_after_an_interrupt_what_is_in_progress_is_still_delivered(two: Cluster)
     assert 2 <= len(found) <= 6
 
 
+def test_a_scheduler_of_another_version_is_refused(two: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crew, "version", lambda name: "1.2.3")
+    with pytest.raises(ClusterError, match=r"the scheduler has dask \d{4}\S+ instead of 1\.2\.3"):
+        list(DaskCluster(two.address).run(square, [1]))
+
+
 @pytest.mark.parametrize("address", ["localhost:8786", "http://a:1", "tcp://", "tcp://a", "tls://a b:1", "tcp://a:1/x"])
 def test_what_is_no_address_is_refused(address: str) -> None:
     with pytest.raises(ClusterError, match=r"must be the address of a Dask scheduler, tcp://HOST:PORT or tls://") as no:
@@ -251,6 +257,16 @@ def test_with_tls_only_who_has_the_key_gets_in(tmp_path: Path) -> None:
                 list(DaskCluster(one.address).run(square, [1]))
         with dask.config.set(brief), pytest.raises(ClusterError, match="cannot be reached"):
             list(DaskCluster(one.address.replace("tls", "tcp")).run(square, [1]))
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_says_nothing_more_is_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crew, "LOOK_S", 0.5)
+    monkeypatch.setattr(crew, "SILENCE_S", 2.0)
+    with cluster(tmp_path, workers=1) as one, pytest.raises(LostClusterError):
+        for place, _ in DaskCluster(one.address).run(slow_square, range(100)):
+            if place == 2:
+                one.scheduler.send_signal(signal.SIGSTOP)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 from distributed import Client, Future, KilledWorker
@@ -26,6 +27,8 @@ from fatigue_planner.executors.remote import unpacked
 LOOK_S = 5.0
 # How long to wait for the first worker, or for another when all are gone: queues of clusters are long.
 PATIENCE_S = 3600.0
+# A scheduler that does not answer for so long is gone, even if its machine keeps the connection.
+SILENCE_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,14 @@ class Crew:
         self._assign()
 
     async def begin(self) -> None:
-        """Find out who is there. Raises LostClusterError."""
+        """Find out who is there. Raises LostClusterError, or ClusterError if the scheduler is of another version."""
+        there = (await self._client.scheduler.versions())["packages"]
+        for name in ("dask", "distributed"):
+            if there.get(name) != version(name):
+                raise ClusterError(
+                    f"{self._address}: the scheduler has {name} {there.get(name)} instead of {version(name)}. Install "
+                    "the same on all machines (constraints.txt)."
+                )
         self._client.subscribe_topic("all", self._hear)
         await self._look_around()
 
@@ -111,7 +121,7 @@ class Crew:
         while removals != self._removals:  # else it may name a worker that was heard to be gone meanwhile
             removals = self._removals
             try:
-                workers = (await self._client.scheduler.identity())["workers"]
+                workers = (await asyncio.wait_for(self._client.scheduler.identity(), SILENCE_S))["workers"]
             except OSError as error:
                 raise self._connection_lost() from error
         for address in self._doing.keys() - workers.keys():  # an event was missed

@@ -143,13 +143,14 @@ class _DaskPool(Pool):
                 self._news.notify()
             await crew.lead()
         finally:
-            with suppress(OSError, TimeoutError):  # if the scheduler is gone, it would try to find it again
-                await asyncio.wait_for(client.close(), _GOODBYE_S)
+            await _close(client)
 
     async def _connected(self) -> Client:
+        client = Client(self._address, asynchronous=True, set_as_default=False, name="fatplan")
         try:
-            return await Client(self._address, asynchronous=True, set_as_default=False, name="fatplan")
+            return await client
         except (OSError, TypeError, ValueError, RuntimeError) as error:
+            await _close(client)
             tls = " and that the certificates are right (distributed.comm.tls in Dask's configuration)"
             raise ClusterError(
                 f"--dask {self._address}: cannot be reached ({' '.join(str(error).split())}). Check that "
@@ -170,6 +171,11 @@ class _DaskPool(Pool):
         with self._news:
             self._changed = True
             self._news.notify()
+
+
+async def _close(client: Client) -> None:
+    with suppress(OSError, TimeoutError):  # if the scheduler is gone, it would try to find it again
+        await asyncio.wait_for(client.close(), _GOODBYE_S)
 
 
 def _nothing(_: Any) -> None:
