@@ -49,14 +49,18 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def expected(small: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     """What one process makes, undisturbed and in the usual order."""
     folder = tmp_path_factory.mktemp("expected")
-    for command, more in (
-        ("simulate", []),
-        ("benchmark", ["--regret", "--bound", "--results", str(folder / "results")]),
-    ):
-        code = "from fatigue_planner.cli.entry import run; run()"
-        call = [sys.executable, "-c", code, command, str(small), "--jobs", "1", "--cache", str(folder / "cache"), *more]
-        subprocess.run(call, check=True, capture_output=True)
+    for command in ("simulate", "benchmark"):
+        done = fatplan(command, small, folder, "--jobs", "1")
+        assert done.wait() == 0
     return hash_of(folder)
+
+
+def fatplan(command: str, experiment: Path, folder: Path, *options: str) -> subprocess.Popen[str]:
+    """The program as a user calls it."""
+    more = ["--regret", "--bound", "--results", str(folder / "results")] if command == "benchmark" else []
+    code = "from fatigue_planner.cli.entry import run; run()"
+    call = [sys.executable, "-c", code, command, str(experiment), "--cache", str(folder / "cache"), *more, *options]
+    return subprocess.Popen(call, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
 def hash_of(folder: Path) -> str:
@@ -122,4 +126,24 @@ def test_there(
     tmp_path: Path,
 ) -> None:
     run(way, clusters[way[0], way[1]].address, small, tmp_path)
+    assert hash_of(tmp_path) == expected
+
+
+@pytest.mark.slow
+def test_without_its_scheduler_it_ends_in_one_message_and_goes_on_here(
+    small: Path, expected: str, tmp_path: Path
+) -> None:
+    with cluster(tmp_path / "dask", workers=2) as one:
+        assert fatplan("simulate", small, tmp_path, "--dask", one.address).wait() == 0
+        broken = fatplan("benchmark", small, tmp_path, "--dask", one.address)
+        while len(list(tmp_path.glob("results/small/parts/*/*.json"))) < 5:
+            assert broken.poll() is None
+            time.sleep(0.05)
+        one.scheduler.kill()
+        _, told = broken.communicate(timeout=60)
+    assert broken.returncode == 3
+    assert told.count("Error: ") == 1 and "Traceback" not in told
+    assert "the connection to the Dask scheduler is lost. What is finished is kept" in told
+    assert not (tmp_path / "results" / "small" / "trials.csv").exists()
+    assert fatplan("benchmark", small, tmp_path, "--jobs", "2").wait() == 0
     assert hash_of(tmp_path) == expected
