@@ -36,6 +36,7 @@ THERE = [
 def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The paper's experiment with few trials of few cycles."""
     settings = yaml.safe_load(PAPER.read_text(encoding="utf-8"))
+    settings["name"] = "small"
     settings["benchmark"] |= {"n_cycles": [3, 12], "trials": 12}
     for policy in settings["benchmark"]["policies"].values():
         if "descents" in policy:
