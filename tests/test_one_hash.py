@@ -51,8 +51,7 @@ def expected(small: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     """What one process makes, undisturbed and in the usual order."""
     folder = tmp_path_factory.mktemp("expected")
     for command in ("simulate", "benchmark"):
-        done = fatplan(command, small, folder, "--jobs", "1")
-        assert done.wait() == 0
+        to_the_end(fatplan(command, small, folder, "--jobs", "1"))
     return hash_of(folder)
 
 
@@ -62,6 +61,11 @@ def fatplan(command: str, experiment: Path, folder: Path, *options: str) -> subp
     code = "from fatigue_planner.cli.entry import run; run()"
     call = [sys.executable, "-c", code, command, str(experiment), "--cache", str(folder / "cache"), *more, *options]
     return subprocess.Popen(call, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+
+
+def to_the_end(process: subprocess.Popen[str]) -> None:
+    _, told = process.communicate()
+    assert process.returncode == 0, told
 
 
 def hash_of(folder: Path) -> str:
@@ -135,7 +139,7 @@ def test_without_its_scheduler_it_ends_in_one_message_and_goes_on_here(
     small: Path, expected: str, tmp_path: Path
 ) -> None:
     with cluster(tmp_path / "dask", workers=2) as one:
-        assert fatplan("simulate", small, tmp_path, "--dask", one.address).wait() == 0
+        to_the_end(fatplan("simulate", small, tmp_path, "--dask", one.address))
         broken = fatplan("benchmark", small, tmp_path, "--dask", one.address)
         while len(list(tmp_path.glob("results/small/parts/*/*.json"))) < 5:
             assert broken.poll() is None
@@ -146,5 +150,5 @@ def test_without_its_scheduler_it_ends_in_one_message_and_goes_on_here(
     assert told.count("Error: ") == 1 and "Traceback" not in told
     assert "the connection to the Dask scheduler is lost. What is finished is kept" in told
     assert not (tmp_path / "results" / "small" / "trials.csv").exists()
-    assert fatplan("benchmark", small, tmp_path, "--jobs", "2").wait() == 0
+    to_the_end(fatplan("benchmark", small, tmp_path, "--jobs", "2"))
     assert hash_of(tmp_path) == expected
