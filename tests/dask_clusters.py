@@ -8,7 +8,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -56,12 +56,12 @@ class Cluster:
 
     def kill_one(self, rng: random.Random) -> bool:
         """Kill one of those that do the work; whether there was one."""
-        alive = [process for process in self.processes() if process.status() != psutil.STATUS_ZOMBIE]
-        if not alive:
-            return False
         with suppress(psutil.NoSuchProcess):
-            rng.choice(alive).send_signal(signal.SIGKILL)
-        return True
+            alive = [process for process in self.processes() if process.status() != psutil.STATUS_ZOMBIE]
+            if alive:
+                rng.choice(alive).send_signal(signal.SIGKILL)
+                return True
+        return False
 
     def log(self, name: str) -> str:
         return "\n".join(path.read_text() for path in sorted(self._folder.glob(f"{name}*.log")))
@@ -102,18 +102,26 @@ def cluster(folder: Path, workers: int = 2, nanny: bool = True, **options: objec
 
 
 class Killer(threading.Thread):
-    """Kills workers at random moments while the body of `with` runs; `replace`: starts another, as a nanny does."""
+    """Kills workers at random moments while the body of `with` runs; `replace`: starts another, as a nanny does.
 
-    def __init__(self, on: Cluster, seed: int, pause_s: tuple[float, float], replace: bool = False, most: int = 10**6):
+    Every kill waits until `progress`, a number, has grown: else, on a slow machine, a worker that has only just begun
+    would die of the third kill in a row.
+    """
+
+    def __init__(
+        self, on: Cluster, seed: int, progress: Callable[[], int], replace: bool = False, most: int = 10**6
+    ) -> None:
         super().__init__(daemon=True)
-        self._cluster, self._pause_s, self._replace, self._most = on, pause_s, replace, most
+        self._cluster, self._progress, self._replace, self._most = on, progress, replace, most
         self._rng, self._end = random.Random(seed), threading.Event()
         self.kills = 0
 
     def run(self) -> None:
-        while self.kills < self._most and not self._end.wait(self._rng.uniform(*self._pause_s)):
-            if self._cluster.kill_one(self._rng):
-                self.kills += 1
+        last = 0
+        while self.kills < self._most and not self._end.wait(self._rng.uniform(0, 0.5)):
+            now = self._progress()
+            if now > last and self._cluster.kill_one(self._rng):
+                last, self.kills = now, self.kills + 1
                 if self._replace:
                     self._cluster.add(nanny=False)
 

@@ -59,6 +59,11 @@ def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
     ]
 
 
+def parts_in(folder: Path) -> int:
+    """How many parts of a benchmark are kept in a folder."""
+    return sum(1 for _ in (folder / "parts").glob("*/[0-9]*.json"))
+
+
 def tables(cells: Sequence[Cell], folder: Path, executor: Executor) -> bytes:
     results, warnings = run_grid(cells, folder / "parts", executor, lambda cell, n: None)
     assert warnings == []
@@ -82,7 +87,7 @@ def test_a_benchmark_whose_workers_are_killed_ends_in_the_same_bytes(
     cells: list[Cell], two: Cluster, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     here = tables(cells, tmp_path / "here", LocalProcesses(2))
-    with Killer(two, seed=1, pause_s=(0.2, 0.5), most=2) as killer:
+    with Killer(two, seed=1, progress=lambda: parts_in(tmp_path / "there"), most=2) as killer:
         there = tables(cells, tmp_path / "there", DaskCluster(two.address))
     assert killer.kills == 2
     assert there == here
@@ -280,11 +285,11 @@ def test_many_kills_change_nothing(cells: list[Cell], tmp_path: Path, nanny: boo
         kills, run = 0, 0
         while kills < 10:
             run += 1
-            with Killer(one, seed=run, pause_s=(0.5, 3.0), replace=not nanny) as killer:
-                assert tables(cells, tmp_path / f"there-{run}", DaskCluster(one.address)) == here
+            there = tmp_path / f"there-{run}"
+            with Killer(one, run, lambda: parts_in(there), replace=not nanny) as killer:
+                assert tables(cells, there, DaskCluster(one.address)) == here
             kills += killer.kills
-            parts = sorted((tmp_path / f"there-{run}" / "parts").rglob("*.json"))
-            assert len(parts) == len(sorted((tmp_path / "here" / "parts").rglob("*.json")))
+            assert parts_in(there) == parts_in(tmp_path / "here")
             assert run < 40
 
 
