@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -286,7 +287,7 @@ def test_many_kills_change_nothing(cells: list[Cell], tmp_path: Path, nanny: boo
         while kills < 10:
             run += 1
             there = tmp_path / f"there-{run}"
-            with Killer(one, run, lambda: parts_in(there), replace=not nanny) as killer:
+            with Killer(one, run, partial(parts_in, there), replace=not nanny) as killer:
                 assert tables(cells, there, DaskCluster(one.address)) == here
             kills += killer.kills
             assert parts_in(there) == parts_in(tmp_path / "here")
