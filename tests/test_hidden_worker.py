@@ -390,7 +390,7 @@ WHO = "hidden_workers.someone"
         ("[0.2, 0.5, 0.3]", "[0.2, 0.5, 0.2]", f"{WHO}.expertise: probabilities sum to 0.9, not to 1."),
         ("[0.2, 0.5, 0.3]", "[0.5, 0.5]", f"{WHO}.expertise: 3 values, but 2 probabilities."),
         ("[0.2, 0.5, 0.3]", "[0.2, 0.8, 0.0]", f"{WHO}.expertise.probabilities.2 = 0.0: input should be greater"),
-        ("values: [0, 5000, .inf]", "values: []", f"{WHO}.expertise.values: "),
+        ("values: [0, 5000, .inf]", "values: []", f"{WHO}.expertise.values = []: should have"),
         ("values: [0, 5000, .inf]", "values: [0, -5, .inf]", f"{WHO}.expertise.values.1 = -5: input should be gre"),
         ("values: [0, 5000, .inf]", "values: [0, .nan, .inf]", f"{WHO}.expertise.values.1 = nan: "),
         (EXPERTISE, "{kind: dice}", f"{WHO}.expertise.kind = 'dice': should be one of 'choice', 'lognormal', 'unif"),
