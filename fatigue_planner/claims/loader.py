@@ -35,7 +35,7 @@ def load_claims(path: Path) -> Claims:
     try:
         file = ClaimsFile.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ClaimsError(fault_text(error, str(path))) from error
+        raise ClaimsError(fault_text(error, ClaimsFile, str(path))) from error
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]

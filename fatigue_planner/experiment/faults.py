@@ -1,45 +1,51 @@
 """What pydantic finds wrong, in the words of the files: one line per fault with source, key, value, what is allowed."""
 
 import difflib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fatigue_planner.errors import LONGEST_SHOWN, shortened
-from fatigue_planner.settings import Settings
+from fatigue_planner.errors import LONGEST_SHOWN, listed, shortened
+from fatigue_planner.experiment.places import kinds_of, locate
+from fatigue_planner.settings import LONGEST_NAME, Settings
 
-Location = tuple[int | str, ...]
-
-# pydantic's words for what a YAML file should have.
-_SHAPES = {
-    "dict_type": "should be a mapping of keys and values",
-    "model_type": "should be a mapping of keys and values",
-    "model_attributes_type": "should be a mapping of keys and values",
-    "tuple_type": "should be a list",
-}
-_SIZES = {
-    "too_short": "should have at least {min_length} of them, not {actual_length}",
-    "too_long": "should have at most {max_length} of them, not {actual_length}",
-}
 # More faults than these help nobody, and to describe thousands takes long.
 MOST_FAULTS = 50
 _MOST_CONSIDERED = 4 * MOST_FAULTS
 # Behind the name of an entry whose name itself is wrong.
 _KEY = "[key]"
+# pydantic's words for what a YAML file should have.
+_WORDS = {
+    "dict_type": "should be a mapping of keys and values",
+    "model_type": "should be a mapping of keys and values",
+    "model_attributes_type": "should be a mapping of keys and values",
+    "tuple_type": "should be a list",
+    "string_pattern_mismatch": "should begin with a letter and have no more than "
+    f"{LONGEST_NAME} letters (a to z), digits, _ . and -",
+    "too_short": "should have at least {min_length} of them, not {actual_length}",
+    "too_long": "should have at most {max_length} of them, not {actual_length}",
+}
 
 
-def fault_text(error: ValidationError, source: str, place: Callable[[Location], str] | None = None) -> str:
-    """One message of all faults: source, key, value, what is allowed; `place`: how the path of a key is written."""
-    return told_together(source, fault_lines(error, place or _place))
+def fault_text(error: ValidationError, kind: type[Settings], source: str) -> str:
+    """One message of all faults in settings of a kind: source, key, value, what is allowed."""
+    return told_together(source, fault_lines(error, kind))
 
 
-def fault_lines(error: ValidationError, place: Callable[[Location], str]) -> list[str]:
-    """The faults, one each, without the source."""
-    known = _known_keys()
-    considered = error.errors(include_url=False)[: _MOST_CONSIDERED + 1]
-    described = [_describe(fault, place, known) for fault in _telling(considered, known)]
-    return [line for fault in described for line in fault.split("\n")]
+def fault_lines(error: ValidationError, kind: type[Settings], above: str = "") -> list[str]:
+    """The faults in settings of a kind, one each; `above`: the key under which they stand in the file."""
+    considered = [_Fault(fault, kind, above) for fault in error.errors(include_url=False)[: _MOST_CONSIDERED + 1]]
+    misspelt = {(*fault.location[:-1], fault.meant()) for fault in considered if fault.type == "extra_forbidden"}
+    inside = {fault.location[:end] for fault in considered for end in range(len(fault.location))}
+    # a key missing because it is misspelt, and a list too short because what is in it is wrong, tell nothing new
+    telling = [
+        fault
+        for fault in considered
+        if not (fault.type == "missing" and fault.location in misspelt)
+        and not (fault.type == "too_short" and fault.location in inside)
+    ]
+    return [line for fault in telling for line in fault.text().split("\n")]
 
 
 def told_together(source: str, faults: Iterable[str]) -> str:
@@ -55,71 +61,46 @@ def dotted(parts: Iterable[int | str]) -> str:
     return ".".join(one if one.isprintable() and 0 < len(one) <= LONGEST_SHOWN else shortened(one) for one in texts)
 
 
-def _telling(faults: list[ErrorDetails], known: Sequence[str]) -> list[ErrorDetails]:
-    """The faults without those that only follow from others: a key missing because it is misspelt, a list too
-    short because what is in it is wrong.
-    """
-    misspelt = {
-        (*fault["loc"][:-1], close)
-        for fault in faults
-        if fault["type"] == "extra_forbidden"
-        for close in difflib.get_close_matches(str(fault["loc"][-1]), known, n=1)
-    }
-    inside = {fault["loc"][:-1] for fault in faults}
-    return [
-        fault
-        for fault in faults
-        if not (fault["type"] == "missing" and fault["loc"] in misspelt)
-        and not (fault["type"] == "too_short" and fault["loc"] in inside)
-    ]
+class _Fault:
+    """One of pydantic's faults."""
 
+    def __init__(self, details: ErrorDetails, kind: type[Settings], above: str) -> None:
+        self.details, self.type, self.kind = details, details["type"], kind
+        location = details["loc"]
+        self.location = location[:-1] if location[-1:] == (_KEY,) else location
+        parts, self.expected = locate(kind, self.location)
+        self.place = ".".join(part for part in (above, dotted(parts)) if part)
 
-def _describe(fault: ErrorDetails, place_of: Callable[[Location], str], known: Sequence[str]) -> str:
-    location = fault["loc"]
-    place = place_of(location[:-1] if location[-1:] == (_KEY,) else location)
-    if fault["type"] == "extra_forbidden":
-        return f"{place}: unknown key{_did_you_mean(str(location[-1]), known)}"
-    if fault["type"] == "missing":
-        return f"{place}: is missing."
-    if fault["type"] == "value_error":
-        text = str(fault["ctx"]["error"])
-        return f"{place}: {text}." if location else text.replace("\n", ".\n") + "."
-    if fault["type"] == "union_tag_invalid":
-        return f"{place}.kind = {shortened(fault['ctx']['tag'])}: should be one of {fault['ctx']['expected_tags']}."
-    if fault["type"] == "union_tag_not_found":
-        return f"{place}: needs a kind."
-    message = _SHAPES.get(fault["type"], fault["msg"][0].lower() + fault["msg"][1:])
-    if fault["type"] in _SIZES:
-        message = _SIZES[fault["type"]].format(**fault["ctx"])
-    return f"{place} = {shortened(fault['input'])}: {message}."
+    def meant(self) -> str | None:
+        """Of an unknown key: the known one at its place that is most like it, if any is."""
+        close = difflib.get_close_matches(str(self.location[-1]), self._known(), n=1)
+        return close[0] if close else None
 
+    def text(self) -> str:
+        """The fault in words; several lines where pydantic has one fault for several."""
+        value = self.details["input"]
+        if self.type == "extra_forbidden":
+            meant = self.meant()
+            return f"{self.place}: unknown key; " + (
+                f"did you mean {meant!r}?" if meant else f"allowed are {listed(self._known())}."
+            )
+        if self.type == "missing":
+            return f"{self.place}: is missing."
+        if self.type == "value_error":
+            text = str(self.details["ctx"]["error"])
+            return f"{self.place}: {text}." if self.place else text.replace("\n", ".\n") + "."
+        if self.type == "union_tag_not_found":
+            return f"{self.place}: needs a kind: one of {listed(kinds_of(self.expected))}."
+        if self.type == "union_tag_invalid":
+            kinds = listed(kinds_of(self.expected))
+            return f"{self.place}.kind = {shortened(value['kind'])}: should be one of {kinds}."
+        words = _WORDS.get(self.type)
+        theirs = self.details["msg"]
+        message = words.format(**self.details.get("ctx", {})) if words else theirs[0].lower() + theirs[1:]
+        return f"{self.place or 'the file'} = {shortened(value)}: {message}."
 
-def _place(location: Location) -> str:
-    """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
-    parts = list(location)
-    if parts[:2] == ["benchmark", "policies"] or parts[:1] == ["hidden_workers"]:
-        del parts[3:4]  # benchmark.policies.<name>.<kind>..., hidden_workers.<name>.<parameter>.<kind>...
-    if parts[:1] == ["belief"]:
-        del parts[1:2]
-    # preferences.<name>.tasks.<number>.<kind>..., actions.<name>.loads.<number>.<kind>...
-    if (parts[0:1], parts[2:3]) in ((["preferences"], ["tasks"]), (["actions"], ["loads"])):
-        del parts[4:5]
-    return dotted(parts) or "the file"
-
-
-def _did_you_mean(key: str, known: Sequence[str]) -> str:
-    if key in known:
-        return f" here; {key!r} belongs elsewhere, see experiments/paper.yaml."
-    close = difflib.get_close_matches(key, known, n=1)
-    return f"; did you mean {close[0]!r}?" if close else "."
-
-
-def _known_keys() -> list[str]:
-    names = {field.alias or name for model in _all_settings(Settings) for name, field in model.model_fields.items()}
-    return sorted(names)
-
-
-def _all_settings(kind: type[Settings]) -> Iterator[type[Settings]]:
-    for below in kind.__subclasses__():
-        yield below
-        yield from _all_settings(below)
+    def _known(self) -> Sequence[str]:
+        _, owner = locate(self.kind, self.location[:-1])
+        if not (isinstance(owner, type) and issubclass(owner, Settings)):
+            return []
+        return [field.alias or name for name, field in owner.model_fields.items()]

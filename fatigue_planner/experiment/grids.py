@@ -104,7 +104,5 @@ def _range(key: str, value: dict[str, Any]) -> Range:
     try:
         return Range.model_validate(value, strict=True)
     except ValidationError as error:
-        lines = fault_lines(error, lambda location: ".".join([key, dotted(location)] if location else [key]))
-        raise _GridError(
-            *(f"{line.rstrip('.')}; a range is {{from: 0.3, to: 0.6, count: 5}}." for line in lines)
-        ) from error
+        example = "A range is {from: 0.3, to: 0.6, count: 5}."
+        raise _GridError(*(f"{line} {example}" for line in fault_lines(error, Range, key))) from error

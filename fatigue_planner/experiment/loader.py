@@ -42,4 +42,4 @@ def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
     try:
         return Experiment.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ExperimentError(fault_text(error, source)) from error
+        raise ExperimentError(fault_text(error, Experiment, source)) from error

@@ -33,7 +33,7 @@ class Worker(Settings):
     height_m: float = Field(ge=1.4, le=2.1)
     mass_kg: float = Field(ge=40, le=150)
     sex: Sex
-    strength: str = Field(max_length=LONGEST_PATH)
+    strength: str = Field(min_length=1, max_length=LONGEST_PATH)
     natural_posture_deg: dict[str, float]
 
 

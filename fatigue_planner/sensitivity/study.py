@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from fatigue_planner.claims.loader import Claims, load_claims
 from fatigue_planner.errors import ExperimentError, listed, shortened
-from fatigue_planner.experiment.faults import Location, dotted, fault_text
+from fatigue_planner.experiment.faults import fault_text
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.sensitivity.factors.factor import Level
@@ -113,17 +113,7 @@ def _read_settings(path: Path) -> StudySettings:
     try:
         return StudySettings.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ExperimentError(fault_text(error, str(path), _place)) from error
-
-
-def _place(location: Location) -> str:
-    """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
-    parts = list(location)
-    if parts[:1] == ["factors"]:
-        del parts[2:3]
-    if parts[:2] == ["grid", "further_policies"]:
-        del parts[3:4]
-    return dotted(parts) or "the file"
+        raise ExperimentError(fault_text(error, StudySettings, str(path))) from error
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
