@@ -39,17 +39,19 @@ LONGEST_S = 2.0
 
 SNIPPETS = [
     b"\x00", b"\xff", b"\xfe\xff", b"\xed\xa0\x80", b"\xc2\x85", "\ufeff".encode(), "\u202e".encode(),
-    "\u2028".encode(), b"!!python/object/apply:os.system [id]", b"!!bool x", b"!<t>", b"!", b"&a ", b"*a", b"<<: ", b"? ", b"- ",
-    b"[", b"{", b"]", b"}", b": ", b"#", b"|\n", b">\n", b"%YAML 9.9\n", b"%TAG ! x\n", b"---\n", b"...\n", b"\t", b"'", b'"',
-    b'"\\ud800"', b'"\\UFFFFFFFF"', b'"\\e[2J"', b"\x1b[31m", b"1e999", b"1e-999", b"-0", b".nan", b"-.inf", b"9" * 400,
-    b"9" * 20000, b"~", b"=", b"0x10", b"{" * 50, b"[" * 3000, b"\r", b"\r\n", b"@", b"`", b"a" * 5000, b"2023-99-99",
+    "\u2028".encode(), b"!!python/object/apply:os.system [id]", b"!!bool x", b"!<t>", b"!", b"&a ", b"*a", b"<<: ",
+    b"? ", b"- ", b"[", b"{", b"]", b"}", b": ", b"#", b"|\n", b">\n", b"%YAML 9.9\n", b"%TAG ! x\n", b"---\n",
+    b"...\n", b"\t", b"'", b'"', b'"\\ud800"', b'"\\UFFFFFFFF"', b'"\\e[2J"', b"\x1b[31m", b"1e999", b"1e-999", b"-0",
+    b".nan", b"-.inf", b"9" * 400, b"9" * 20000, b"~", b"=", b"0x10", b"{" * 50, b"[" * 3000, b"\r", b"\r\n", b"@",
+    b"`", b"a" * 5000, b"2023-99-99",
 ]  # fmt: skip
 VALUES: list[Any] = [
     None, True, False, 0, 1, -1, 2, 5, 100, 10**6, 10**9, 10**18, 10**29, -(10**29), 0.5, -0.5, 1e-300, 1e300, -1e300,
     5e-324, float("nan"), float("inf"), float("-inf"), "", "a", "x" * 50, "x" * 3000, "../..", "/dev/zero", "/",
-    "paper", "average_man", "random", "pomcp", "lookahead", "particles", "exact", "choice", "mean", "bound", "1e3", "nan", "ä",
-    "a\nb", "%s{0}", [], {}, [[]], [{}], {"": ""}, {"kind": "choice"}, [1, 2, 3], {"from": -3, "to": 3, "count": 1000},
-    {"from": 0, "to": 1e308, "count": 2}, {"kind": "lookahead", "depth": 30}, {"kind": []}, [float("nan")] * 3,
+    "paper", "average_man", "random", "pomcp", "lookahead", "particles", "exact", "choice", "mean", "bound", "1e3",
+    "nan", "ä", "a\nb", "%s{0}", [], {}, [[]], [{}], {"": ""}, {"kind": "choice"}, [1, 2, 3],
+    {"from": -3, "to": 3, "count": 1000}, {"from": 0, "to": 1e308, "count": 2}, {"kind": "lookahead", "depth": 30},
+    {"kind": []}, [float("nan")] * 3,
 ]  # fmt: skip
 
 
@@ -180,8 +182,11 @@ def main() -> None:
     first, last = map(int, sys.argv[1:])
     with tempfile.TemporaryDirectory() as name:
         folder = folder_of_experiments(Path(name))
-        faults = [fault for number in range(first, last) if (fault := fault_of(number, folder))]
-    print("\n".join(faults))
+        faults = 0
+        for number in range(first, last):
+            if fault := fault_of(number, folder):
+                faults += 1
+                print(fault, flush=True)
     print(last - first, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
     sys.exit(bool(faults))
 

@@ -23,8 +23,8 @@ _WORDS = {
     "tuple_type": "should be a list",
     "string_pattern_mismatch": "should begin with a letter and have no more than "
     f"{LONGEST_NAME} letters (a to z), digits, _ . and -",
-    "too_short": "should have at least {min_length} of them, not {actual_length}",
-    "too_long": "should have at most {max_length} of them, not {actual_length}",
+    "too_short": "should have at least {min_length} of them",
+    "too_long": "should have at most {max_length} of them",
 }
 
 
