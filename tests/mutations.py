@@ -1,6 +1,7 @@
 """A small seeded fuzzer: files changed in their bytes or their structure. `python mutations.py FIRST LAST` runs it."""
 
 import copy
+import json
 import random
 import sys
 import tempfile
@@ -8,10 +9,9 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
-
-import yaml
 
 from fatigue_planner.claims.loader import load_claims
 from fatigue_planner.errors import FatplanError
@@ -55,11 +55,6 @@ VALUES: list[Any] = [
 ]  # fmt: skip
 
 
-class _Dumper(yaml.SafeDumper):
-    def ignore_aliases(self, data: object) -> bool:
-        return True
-
-
 def mutated(number: int) -> tuple[str, bytes]:
     """The kind of the input with a number, and the input; the same for ever."""
     rng = random.Random(f"{SEED}/{number}")
@@ -67,10 +62,12 @@ def mutated(number: int) -> tuple[str, bytes]:
     source = EXPERIMENTS / f"{rng.choice(SOURCES[kind])}.yaml"
     if rng.random() < 0.5:
         return kind, _changed_bytes(rng, source.read_bytes())
-    content = _plain(read_yaml(source, FatplanError))
+    content = _content(source)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         content = _changed_structure(rng, content)
-    return kind, yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True).encode()
+    # JSON is YAML but for these two words, and quickly written
+    text = json.dumps(content, ensure_ascii=False, indent=1).replace("NaN", ".nan").replace("Infinity", ".inf")
+    return kind, text.encode()
 
 
 def read(number: int, folder: Path) -> str:
@@ -188,6 +185,12 @@ def _holders(content: Any) -> Any:
         yield content, key
         if isinstance(value, dict | list):
             yield from _holders(value)
+
+
+@cache
+def _content(source: Path) -> Any:
+    """What a file says; `_changed_structure` leaves it as it is."""
+    return _plain(read_yaml(source, FatplanError))
 
 
 def _plain(content: Any) -> Any:
