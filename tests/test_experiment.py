@@ -93,7 +93,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("n_cycles: [5, 20, 100]", "n_cycles: [5.5]", "benchmark.n_cycles.0 = 5.5: input should be a valid integer."),
         ("trials: 100", "trials: yes", "benchmark.trials = True: input should be a valid integer."),
         ("figure5b: [multiple_novice]", "figure5b: [none]", "figures.figure5b: none; known conditions: single_nov"),
-        ("name: paper", "name: ../paper", "name = '../paper': string should match pattern"),
+        ("name: paper", "name: ../paper", "name = '../paper': should begin with a letter"),
         ("name: paper", "name: paper\nname: paper", "line 6, column 1: key 'name' stands twice."),
         ("name: paper", "name: &n paper\nother: *n", "line 6, column 8: aliases (*name) are not allowed."),
         ("name: paper", "name: !!python/object:os.system {}", "line 5, column 7: tags (here "),
