@@ -426,7 +426,7 @@ BAD_STUDIES = [
     (RANGE, "from: -1e308, to: 1e308", "factors.height.from = -1e+308: input should be greater than"),
     (RANGE, "from: 1e-300, to: 1.9, scale: log", "factors.height: from = 1e-300 must be above 0 on a log scale, 1e-12"),
     (RANGE, "from: 1.6, to: 19", "factors.height at 7.4: workers.average_man.height_m = 7.4: input should be less"),
-    ("kind: range", "kind: rang", "factors.height.kind = 'rang': should be one of range, scale, choice."),
+    ("kind: range", "kind: rang", "factors.height.kind = 'rang': should be one of 'range', 'scale', 'ch"),
     (
         "workers.average_man.height_m",
         "workers.average_man.hight_m",

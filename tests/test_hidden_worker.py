@@ -394,7 +394,7 @@ WHO = "hidden_workers.someone"
         ("values: [0, 5000, .inf]", "values: [0, -5, .inf]", f"{WHO}.expertise.values.1 = -5: input should be gre"),
         ("values: [0, 5000, .inf]", "values: [0, .nan, .inf]", f"{WHO}.expertise.values.1 = nan: "),
         (EXPERTISE, "{kind: dice}", f"{WHO}.expertise.kind = 'dice': should be one of 'choice', 'lognormal', 'unif"),
-        (EXPERTISE, "{values: [1], probabilities: [1]}", f"{WHO}.expertise: needs a kind."),
+        (EXPERTISE, "{values: [1], probabilities: [1]}", f"{WHO}.expertise: needs a kind: one of 'choice', "),
         (EXPERTISE, "7", f"{WHO}.expertise = 7: should be a mapping of keys and values."),
         ("from: 0.5, to: 2.0", "from: 2.0, to: 0.5", f"{WHO}.recovery_rate_factor: from (2) should be less than to (0"),
         ("from: 0.5, to: 2.0", "from: 1, to: 1", f"{WHO}.recovery_rate_factor: from (1) should be less than to (1)."),

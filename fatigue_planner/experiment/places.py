@@ -27,8 +27,8 @@ def locate(kind: type[Settings], location: Location) -> tuple[list[int | str], A
 
 
 def kinds_of(expected: Any) -> Sequence[str]:
-    """The kinds among which an entry of a type can choose."""
-    return [str(kind) for kind in _members(expected)]
+    """The kinds among which an entry of a type can choose, in quotes."""
+    return [repr(kind) for kind in _members(expected)]
 
 
 def _below(here: Any, step: int | str) -> Any:
