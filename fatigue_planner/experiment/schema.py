@@ -12,7 +12,7 @@ from fatigue_planner.errors import listed
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
+from fatigue_planner.motion.settings import MOST_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
@@ -24,8 +24,6 @@ from fatigue_planner.statistics.settings import StatisticsSettings
 MOST_ACTIONS = 10_000
 MOST_REACTIONS = 100_000
 MOST_CELLS = 100_000
-# 1800 s in steps of 0.01 s: some hundred megabytes of motion.
-MOST_TICKS = 180_000
 
 Level = Annotated[float, Field(ge=0, le=1)]
 
