@@ -5,7 +5,8 @@ from pathlib import Path
 
 import typer
 
-from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs, counter, talk
+from fatigue_planner.cli.options import ALL_CORES, DEFAULT_CACHE, EXIT_CODES, CacheFolder, Jobs
+from fatigue_planner.cli.progress import progress
 from fatigue_planner.errors import DamagedFileError, ExitCode, FatplanError, MissingLibraryError, OtherVersionError
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.reactions.audit import Audit, audit
@@ -35,11 +36,10 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
         raise MissingLibraryError(f"{cache}: no reaction library there. Run `fatplan simulate` first.")
     places, unreadable = _contents(files)
     audits = {}
-    with counter(talk()) as bar:
-        task = bar.add_task("Checking reactions", total=len(places))
+    with progress("Checking reactions", len(places)) as counter:
         for place, result in LocalProcesses(jobs).run(audit, places):
             audits[place] = result if isinstance(result, Audit) else Audit(*places[place], "failed", result.reason)
-            bar.advance(task)
+            counter.advance()
     ordered = [audits[place] for place in range(len(places))]
     _print(ordered, unreadable)
     counts = {verdict: sum(result.verdict == verdict for result in ordered) for verdict in ("ok", "degraded", "failed")}

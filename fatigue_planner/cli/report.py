@@ -2,8 +2,7 @@
 
 import time
 
-import typer
-
+from fatigue_planner.cli.documents import FilesOf
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -13,6 +12,7 @@ from fatigue_planner.cli.options import (
     ResultsFolder,
     command_line,
 )
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import cycle_profiles, load_reactions, reaction_requests
 from fatigue_planner.experiment.results import courses, load_results
@@ -26,6 +26,7 @@ def report(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and tables.
 
@@ -53,9 +54,10 @@ def report(
     commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     publish_text(path, report(material, gallery, experiment, commands, study))
     note = {"reactions": digests(reaction_requests(settings))}
-    publish_manifest(folder, "report", note, [*gallery.files, path])
+    hashes = publish_manifest(folder, "report", note, [*gallery.files, path])
     size = path.stat().st_size / 1e6
-    typer.echo(
+    text = (
         f"{path}: {size:.1f} MB; {len(gallery.files)} files of figures and data beside it "
         f"({time.perf_counter() - begin:.1f} s)."
     )
+    present(FilesOf(folder, hashes), text, as_json)
