@@ -80,10 +80,10 @@ class Fault:
 
 @dataclass(frozen=True)
 class Validation:
-    """`fatplan validate`. about: what a valid file is about, in words; empty if it is not."""
+    """`fatplan validate`. kind: null if the file cannot be read. about: of a valid file, in words, else empty."""
 
     file: Path
-    kind: str
+    kind: str | None
     valid: bool
     faults: Sequence[Fault]
     about: str

@@ -24,6 +24,7 @@ def run() -> None:
         signals.work_is_done()
     except Stopped as stopped:
         code = tell_stopped(arguments, stopped)
+    _give_up_unwritten()
     sys.exit(code)
 
 
@@ -39,9 +40,18 @@ def _outcome(arguments: list[str], signals: Signals) -> int:
         os.kill(os.getpid(), signal.SIGPIPE)
         raise
     except OSError as error:  # what should have been printed cannot be written
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return disk_fault(arguments, error)
     return code
+
+
+def _give_up_unwritten() -> None:
+    """Python would complain at its end about what its streams could not write."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None:
+                stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _prepare_streams() -> None:

@@ -1,5 +1,6 @@
 """How a command that does not succeed says so: a message on stderr and, with `--json`, the one document on stdout."""
 
+import contextlib
 import json
 import shlex
 import sys
@@ -17,11 +18,12 @@ def wants_json(arguments: Sequence[str]) -> bool:
 
 def tell_failure(arguments: Sequence[str], kind: str, message: str, exit_code: int, begin: str = "Error: ") -> int:
     """Say what is wrong; returns the exit code. `kind` is the type of the error."""
-    if sys.stderr is not None:
+    with contextlib.suppress(OSError):  # the exit code says it, too
         print(f"{begin}{message}", file=sys.stderr, flush=True)
-    if wants_json(arguments) and sys.stdout is not None:
+    if wants_json(arguments):
         document: dict[str, Any] = {"error": {"type": kind, "message": message, "exit_code": int(exit_code)}}
-        print(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False), flush=True)
+        with contextlib.suppress(OSError):
+            print(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False), flush=True)
     return int(exit_code)
 
 

@@ -36,17 +36,18 @@ def validate(
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without doing anything: all faults are told at once."""
-    kind = kind_of(read_yaml(file, ExperimentError))
+    kind = None
     try:
+        kind = kind_of(read_yaml(file, ExperimentError))
         about = _about(file, kind)
     except FatplanError as error:
         if not as_json:
             raise
         faults = [Fault(line.removeprefix(f"{file}: ")) for line in str(error).splitlines()]
-        present(Validation(file, kind.value, False, faults, ""), "", as_json)
+        present(Validation(file, kind, False, faults, ""), "", as_json)
         typer.echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
-    present(Validation(file, kind.value, True, (), about), f"{file}: ok; {about}.", as_json)
+    present(Validation(file, kind, True, (), about), f"{file}: ok; {about}.", as_json)
 
 
 def _about(file: Path, kind: Kind) -> str:
