@@ -1,5 +1,6 @@
 """The commands that read the tables of a benchmark, and the tables themselves."""
 
+import hashlib
 import json
 import shutil
 import subprocess
@@ -9,6 +10,9 @@ import pandas as pd
 import pytest
 from commands import fatplan, refused
 from conftest import PAPER
+from test_cli_json import document
+
+from fatigue_planner.cli.documents import BenchmarkRun, FilesOf, JudgedClaims, SideBySide
 
 
 @pytest.fixture(scope="module")
@@ -66,9 +70,6 @@ def test_rebuilding_figures_changes_no_byte(results: Path, cache_folder: Path) -
 
 
 def test_manifest_carries_configuration_versions_seed_and_hashes(results: Path) -> None:
-    import hashlib
-    import json
-
     manifest = json.loads((results / "manifest.json").read_text(), parse_constant=pytest.fail)
     run = manifest["benchmark"]
     assert run["seed"] == 2023 and run["experiment"]["discount"] == 0.95
@@ -193,3 +194,25 @@ def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: 
     assert (tmp_path / "side" / "by_side.html").exists() and (tmp_path / "side" / "by_side.csv").exists()
     assert "there is no such table" in refused(2, "compare", results, tmp_path / "nowhere")
     assert "must end in .html" in refused(2, "compare", results, other, "--save", tmp_path / "x.txt")
+
+
+def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
+    """Every document has the hashes of what lies in the folder, or the rows of its tables."""
+    where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
+    ran = document(BenchmarkRun, "benchmark", *where)
+    assert ran["runs"] == len(pd.read_csv(results / "trials.csv")) and ran["regret"] is ran["bounds"] is None
+    table = pd.read_csv(results / "comparison.csv")
+    assert [row["mean"] for row in ran["comparison"]] == list(table["mean"])
+    assert [row["p_value"] is None for row in ran["comparison"]] == list(table["p_value"].isna())
+    drawn = document(FilesOf, "figures", *where)
+    claims = results.parent / "paper_claims.yaml"
+    shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
+    judged = document(JudgedClaims, "claims", claims, "--results", results.parent)
+    assert sum(judged["counts"].values()) == len(judged["claims"]) >= 22 and not judged["bounds"]
+    assert judged["claims"][0]["quote"]
+    for found in (ran, drawn, judged):
+        assert found["files"]
+        for name, digest in found["files"].items():
+            assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
+    both = document(SideBySide, "compare", results, results)
+    assert len(both["contrasts"]) == 63 and both["same_worlds"] and both["settings"] == {}
