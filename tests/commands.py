@@ -2,6 +2,7 @@
 
 import io
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -72,3 +73,8 @@ def refused(code: int, *arguments: object) -> str:
     assert done.returncode == code, done.stderr
     assert "Traceback" not in done.stderr + done.stdout
     return done.stderr
+
+
+def small_files() -> None:
+    """For `begin`: no file may become larger than 2 kB, as if the disk were full at every write that goes beyond."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from commands import fatplan, finished, process
+from commands import fatplan, finished, process, small_files
 from conftest import PAPER
 
 from fatigue_planner.cli.main import app
@@ -126,11 +126,6 @@ def test_full_and_closed_streams() -> None:
         assert finished("nonsense", stderr=full).returncode == 2
     done = finished("nonsense", "--json", begin=lambda: (os.close(0), os.close(1)))
     assert done.returncode == 2 and "No such command" in done.stderr and "Traceback" not in done.stderr
-
-
-def small_files() -> None:
-    """No file may become larger than 2 kB: as if the disk were full, at every write that goes beyond."""
-    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 
 
 def test_a_full_disk_is_one_message(tmp_path: Path, cache_folder: Path) -> None:

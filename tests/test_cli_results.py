@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from commands import fatplan, refused
+from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
 from test_cli_json import document
 
@@ -216,3 +216,14 @@ def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
             assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
     both = document(SideBySide, "compare", results, results)
     assert len(both["contrasts"]) == 63 and both["same_worlds"] and both["settings"] == {}
+
+
+@pytest.mark.parametrize("command", ["figures", pytest.param("report", marks=pytest.mark.slow)])
+def test_a_full_disk_leaves_what_was_there(results: Path, cache_folder: Path, command: str) -> None:
+    before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
+    where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
+    done = finished(command, *where, begin=small_files)
+    assert done.returncode == 2 and done.stdout == "", done.stderr
+    assert done.stderr.count("Error: ") == len(done.stderr.splitlines()) == 1 and "File too large" in done.stderr
+    assert {name: (results / name).read_bytes() for name in before} == before
+    assert not list(results.glob(".*"))
