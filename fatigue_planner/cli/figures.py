@@ -31,10 +31,10 @@ def figures(
     Needs the reactions of `fatplan simulate` and, if the experiment names figures of returns, the results
     of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
     """
+    settings = load_experiment(experiment)
     from fatigue_planner.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415
 
-    settings = load_experiment(experiment)
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     gallery = Gallery(results / settings.name)
     if settings.figures:

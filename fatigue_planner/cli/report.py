@@ -33,14 +33,14 @@ def report(
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
     does not change. Every run is lived through again from its actions; one that does not come to its return is named.
     """
+    begin = time.perf_counter()
+    settings = load_experiment(experiment)
     from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
     from fatigue_planner.reports.results.report import report  # noqa: PLC0415
     from fatigue_planner.reports.study.finished import study_of  # noqa: PLC0415
 
-    begin = time.perf_counter()
-    settings = load_experiment(experiment)
     simulate = command_line("simulate", experiment, cache)
     benchmark, own = (command_line(command, experiment, cache, results) for command in ("benchmark", "report"))
     reactions = load_reactions(settings, cache, simulate)
