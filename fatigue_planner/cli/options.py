@@ -5,8 +5,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from fatigue_planner.executors.processes import available_cores
 
@@ -33,14 +31,3 @@ def command_line(command: str, experiment: Path, cache: Path, results: Path = DE
     if results != DEFAULT_RESULTS:
         words += ["--results", str(results)]
     return shlex.join(words)
-
-
-def talk() -> Console:
-    """Where progress and messages go: the terminal's error stream, apart from results."""
-    return Console(stderr=True, highlight=False, soft_wrap=True)
-
-
-def counter(console: Console) -> Progress:
-    """A progress bar that counts pieces of work."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, console=console)
