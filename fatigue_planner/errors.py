@@ -1,6 +1,11 @@
-"""The mistakes a user can make, one type each, under one root; and the exit codes of `fatplan`."""
+"""The mistakes a user can make, one type each, under one root; what messages show of values; exit codes."""
 
+from collections.abc import Iterable
 from enum import IntEnum
+
+# So much of a value, and so many of a list, is shown in a message.
+LONGEST_SHOWN = 60
+MOST_LISTED = 50
 
 
 class ExitCode(IntEnum):
@@ -19,6 +24,13 @@ class FatplanError(Exception):
     """Root of every error that is the input's or the machine's, not the program's."""
 
     exit_code = ExitCode.BAD_INPUT
+
+    def __str__(self) -> str:
+        """The message; what it quotes of files and their names cannot steer a terminal: such characters are escaped."""
+        return "".join(
+            one if one.isprintable() or one == "\n" else one.encode("unicode_escape").decode("ascii")
+            for one in super().__str__()
+        )
 
 
 class ExperimentError(FatplanError):
@@ -95,3 +107,22 @@ class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 
     exit_code = ExitCode.DAMAGED_STORE
+
+
+def shortened(value: object) -> str:
+    """A value as a message shows it: as Python writes it, control characters escaped, its beginning if it is long."""
+    if isinstance(value, str):
+        value = value[: LONGEST_SHOWN + 1]
+    elif isinstance(value, tuple | list):
+        value = list(value[:LONGEST_SHOWN])
+    elif isinstance(value, dict):
+        value = dict(list(value.items())[:LONGEST_SHOWN])
+    text = repr(value)
+    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+
+
+def listed(items: Iterable[object]) -> str:
+    """Items with commas between them; of many the first."""
+    texts = [str(item) for item in items]
+    shown = [text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…" for text in texts[:MOST_LISTED]]
+    return ", ".join(shown) + (f", … ({len(texts)} in all)" if len(texts) > MOST_LISTED else "")

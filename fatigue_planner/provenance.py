@@ -23,8 +23,8 @@ def versions() -> dict[str, str]:
     return {"fatplan": __version__, "python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
 
 
-def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> None:
-    """Write the manifest: what made the files of a folder, from what, and their SHA-256.
+def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> dict[str, str]:
+    """Write the manifest: what made the files of a folder, from what, and their SHA-256, which are returned by name.
 
     Entries of other commands are kept, so one manifest describes the whole folder.
     """
@@ -37,6 +37,7 @@ def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any
     hashes = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
     manifest[made_by] = {"versions": versions(), **configuration, "sha256": hashes}
     publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+    return hashes
 
 
 class Note(BaseModel):

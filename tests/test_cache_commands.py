@@ -8,22 +8,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from commands import fatplan
 from conftest import PAPER
 from test_reactions import keep
-from typer.testing import CliRunner
 
-from fatigue_planner.cli.main import app
-from fatigue_planner.errors import BundleError, MissingReactionsError
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.entry import entry_bytes
 from fatigue_planner.reactions.reaction import Reaction, file_name
 
 
 def told(code: int, *arguments: object) -> str:
-    """What a command says, in this process; it must end with an exit code."""
-    done = CliRunner().invoke(app, ["cache", *map(str, arguments)], catch_exceptions=False)
-    assert done.exit_code == code, done.output
-    return " ".join(done.stdout.split())
+    """What a command says; it must end with an exit code. If it is refused, why."""
+    done = fatplan("cache", *arguments)
+    assert done.returncode == code, done.stderr
+    return " ".join((done.stdout or done.stderr).split())
 
 
 def outdated(reaction: Reaction) -> Reaction:
@@ -49,8 +47,7 @@ def test_verify_checks_everything_again(cache: Path, reactions: tuple[Reaction, 
     path.write_bytes(path.read_bytes()[:-1])
     text = told(4, "verify", "--cache", cache)
     assert f"{path.name} DAMAGED: {path}: does not match its hash" in text and path.exists()  # nothing is changed
-    with pytest.raises(MissingReactionsError, match="no reaction there"):
-        told(2, "verify", "--cache", cache / "none")
+    assert "no reaction there" in told(2, "verify", "--cache", cache / "none")
 
 
 def test_list_says_what_is_there_and_of_what_use(cache: Path, reactions: tuple[Reaction, ...]) -> None:
@@ -110,8 +107,8 @@ def test_what_is_exported_comes_in_elsewhere_to_the_last_bit(cache: Path, tmp_pa
     assert "0 taken, 4 there already, 0 refused" in told(0, "import", bundles[0], "--cache", elsewhere)
     for path in ReactionCache(cache).files():
         assert (elsewhere / path.name).read_bytes() == path.read_bytes()
-    with pytest.raises(MissingReactionsError, match="4 of 4 reactions are not there"):
-        told(2, "export", PAPER, tmp_path / "three.zip", "--cache", tmp_path / "empty")
+    text = told(2, "export", PAPER, tmp_path / "three.zip", "--cache", tmp_path / "empty")
+    assert "4 of 4 reactions are not there" in text and not (tmp_path / "three.zip").exists()
 
 
 def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
@@ -138,11 +135,8 @@ def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction,
 def test_files_that_are_no_bundles(cache: Path, tmp_path: Path) -> None:
     bundle = tmp_path / "bundle.zip"
     bundle.write_bytes(b"PK nothing")
-    with pytest.raises(BundleError, match=r"bundle\.zip: cannot be read as a bundle of reactions"):
-        told(2, "import", bundle, "--cache", cache)
+    assert "bundle.zip: cannot be read as a bundle of reactions" in told(2, "import", bundle, "--cache", cache)
     with zipfile.ZipFile(bundle, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("x-0123456789abcdef.h5", b"0" * 10_000_000)
-    with pytest.raises(BundleError, match="larger than itself"):
-        told(2, "import", bundle, "--cache", cache)
-    with pytest.raises(BundleError, match="No such file"):
-        told(2, "import", tmp_path / "none.zip", "--cache", cache)
+    assert "larger than itself" in told(2, "import", bundle, "--cache", cache)
+    assert "No such file" in told(2, "import", tmp_path / "none.zip", "--cache", cache)

@@ -330,7 +330,7 @@ def test_the_papers_claims_are_complete_and_known() -> None:
         ("quote: For", "quote: ''\n    x: For", "claims.novice_5_not_different.quote = '': string should"),
         ("[single_novice]", "[novice]", "claims.novice_5_not_different.conditions: novice not in paper; known are"),
         ("n_cycles: [5]", "n_cycles: [7]", "claims.novice_5_not_different.n_cycles: 7 not in paper; known are 5, 20"),
-        ("n_cycles: [5]", "n_cycles: []", "claims.novice_5_not_different.n_cycles: tuple should have at least 1 item"),
+        ("n_cycles: [5]", "n_cycles: []", "claims.novice_5_not_different.n_cycles = []: should have at least 1"),
         ("n_cycles: [5]", "n_cycles: [5, 5]", "claims.novice_5_not_different.n_cycles: something stands twice."),
         ("policies: [greedy,", "policies: [best,", "claims.novice_5_not_different.policies: best not in paper"),
         (

@@ -3,10 +3,7 @@
 from pathlib import Path
 
 import pytest
-from test_cli import fatplan
-from typer.testing import CliRunner
-
-from fatigue_planner.cli.main import app
+from commands import fatplan
 
 
 def test_a_healthy_machine_is_told_so(tmp_path: Path) -> None:
@@ -29,9 +26,9 @@ def test_what_is_missing_is_named_with_what_to_do(tmp_path: Path, monkeypatch: p
         raise OSError("libhdf5 is gone")
 
     monkeypatch.setattr(h5py, "File", broken)
-    done = CliRunner().invoke(app, ["doctor", "--cache", str(blocked / "inside"), "--results", str(tmp_path)])
-    assert done.exit_code == 3
-    lines = done.output.splitlines()
+    done = fatplan("doctor", "--cache", blocked / "inside", "--results", tmp_path)
+    assert done.returncode == 3
+    lines = done.stdout.splitlines()
     missing = [line for line in lines if line.startswith("MISSING")]
-    assert len(missing) == 3 and "libhdf5 is gone" in done.output and "CasADi lacks daqp" in done.output
-    assert any("folder of the cache" in line for line in missing) and "--cache FOLDER" in done.output
+    assert len(missing) == 3 and "libhdf5 is gone" in done.stdout and "CasADi lacks daqp" in done.stdout
+    assert any("folder of the cache" in line for line in missing) and "--cache FOLDER" in done.stdout

@@ -439,7 +439,7 @@ def test_percent(share: float, text: str) -> None:
 
 @pytest.mark.slow
 def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, own_cache: Path) -> None:
-    from test_cli import fatplan, refused
+    from commands import fatplan, refused
 
     few = dict(STUDY["factors"])
     few["descents"] = few["descents"] | {"to": 6000}

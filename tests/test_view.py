@@ -18,9 +18,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import zstandard
+from commands import FATPLAN, refused
 from conftest import PAPER
 from PIL import Image
-from test_cli import FATPLAN, refused
 
 from fatigue_planner.cli.view import view
 from fatigue_planner.errors import MissingReactionsError, SelectionError
@@ -212,7 +212,7 @@ def test_without_reactions_it_says_what_to_run(tmp_path: Path) -> None:
 
 
 def test_the_page_is_loaded_only_when_asked_for() -> None:
-    code = "import sys; import fatigue_planner.cli.main; sys.exit('viser' in sys.modules)"
+    code = "import sys; import fatigue_planner.cli.view; sys.exit('viser' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

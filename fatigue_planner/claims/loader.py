@@ -8,8 +8,9 @@ from pydantic import ValidationError
 
 from fatigue_planner.claims.relations.registry import RELATIONS
 from fatigue_planner.claims.schema import Claim, ClaimsFile
-from fatigue_planner.errors import ClaimsError
-from fatigue_planner.experiment.loader import fault_text, load_experiment
+from fatigue_planner.errors import ClaimsError, listed, shortened
+from fatigue_planner.experiment.faults import fault_text, told_together
+from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.yaml_reader import read_yaml
 
@@ -34,12 +35,12 @@ def load_claims(path: Path) -> Claims:
     try:
         file = ClaimsFile.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ClaimsError(fault_text(error, str(path))) from error
+        raise ClaimsError(fault_text(error, ClaimsFile, str(path))) from error
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]
     if faults:
-        raise ClaimsError("\n".join(f"{path}: {fault}" for fault in faults))
+        raise ClaimsError(told_together(str(path), faults))
     return Claims(file.claims, experiment, experiment_file)
 
 
@@ -52,18 +53,14 @@ def _faults(key: str, claim: Claim, experiment: Experiment) -> Iterable[str]:
         items = getattr(claim, part)
         unknown = [item for item in items if item not in names]
         if unknown:
-            yield f"{key}.{part}: {_listed(unknown)} not in {experiment.name}; known are {_listed(names)}."
+            yield f"{key}.{part}: {listed(unknown)} not in {experiment.name}; known are {listed(names)}."
         if len(set(items)) < len(items):
             yield f"{key}.{part}: something stands twice."
     both = [name for name in claim.policies if name in claim.others]
     if both:
-        yield f"{key}.others: {_listed(both)} already among the policies."
+        yield f"{key}.others: {listed(both)} already among the policies."
     relation = RELATIONS.get(claim.relation)
     if relation is None:
-        yield f"{key}.relation = {claim.relation!r}: should be one of {_listed(RELATIONS)}."
+        yield f"{key}.relation = {shortened(claim.relation)}: should be one of {listed(RELATIONS)}."
     elif fault := relation.fault(claim):
         yield f"{key}: {claim.relation} {fault}."
-
-
-def _listed(items: Iterable[object]) -> str:
-    return ", ".join(map(str, items))

@@ -4,8 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from fatigue_planner.experiment.schema import Name
-from fatigue_planner.settings import Settings
+from fatigue_planner.settings import Name, Settings
 
 Text = Annotated[str, Field(min_length=1)]
 
@@ -35,5 +34,5 @@ class Claim(Settings):
 class ClaimsFile(Settings):
     """The claims of a paper by name; `experiment`: the experiment's file, from the folder of this one."""
 
-    experiment: Text
+    experiment: Text = Field(max_length=1000)
     claims: dict[Name, Claim] = Field(min_length=1)

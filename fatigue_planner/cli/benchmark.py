@@ -6,7 +6,6 @@ from typing import Annotated, TypeVar
 
 import pandas as pd
 import typer
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
@@ -26,6 +25,7 @@ from fatigue_planner.benchmark.table import (
     trial_table,
 )
 from fatigue_planner.benchmark.trial import TrialResult
+from fatigue_planner.cli.documents import BenchmarkPlan, BenchmarkRun
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -37,10 +37,10 @@ from fatigue_planner.cli.options import (
     Jobs,
     ResultsFolder,
     command_line,
-    counter,
     executor_of,
-    talk,
 )
+from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.executors.executor import Executor
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
@@ -57,6 +57,7 @@ from fatigue_planner.statistics.contrast_text import contrast_text
 from fatigue_planner.statistics.contrasts import CONTRASTS_FILE, contrasts
 from fatigue_planner.statistics.gaps import gap_table, gap_text
 from fatigue_planner.statistics.regret import regret_table, regret_text
+from fatigue_planner.statistics.rows import records
 from fatigue_planner.statistics.summary import summary_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
@@ -88,6 +89,7 @@ def benchmark(
     dask: Dask = None,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Run every policy of an EXPERIMENT in every condition and compare their returns.
 
@@ -102,13 +104,14 @@ def benchmark(
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:
-        typer.echo(_plan(grid, grid_cells, store, jobs))
+        plan = _plan(grid, grid_cells, store, jobs)
+        present(plan, _plan_text(plan), as_json)
         return
     executor = executor_of(jobs, dask)
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
-    done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells")
+    done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
     table = trial_table(grid_cells, done)
     assert not table[OUTCOMES].isna().any(axis=None)
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
@@ -119,11 +122,13 @@ def benchmark(
     summary = summary_text(comparison, settings.statistics.significance_level)
     summary += "\n" + contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
+    regrets = gaps = None
     if regret:
         losses = _measure_regret(grid_cells, done, judges, store, executor)
         publish_table(folder, losses, [REGRET_FILE])
         names = {condition: describe(reference) for condition, reference in judges.items()}
-        summary += "\n" + regret_text(regret_table(table.merge(losses, on=KEY)), names)
+        regrets = regret_table(table.merge(losses, on=KEY))
+        summary += "\n" + regret_text(regrets, names)
         files.append(REGRET_FILE)
     if bound:
         gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", executor))
@@ -140,24 +145,44 @@ def benchmark(
         "reactions": digests(reaction_requests(settings)),
         "references": {condition: reference.plain() for condition, reference in judges.items()},
     }
-    publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
-    typer.echo(summary)
+    hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
-    typer.echo(f"{folder}: {TRIALS_FILE} ({len(table)} runs), {others}")
+    document = BenchmarkRun(
+        folder=folder,
+        files=hashes,
+        runs=len(table),
+        comparison=records(comparison),
+        regret=None if regrets is None else records(regrets),
+        bounds=None if gaps is None else records(gaps),
+    )
+    present(document, f"{summary}\n{folder}: {TRIALS_FILE} ({len(table)} runs), {others}", as_json)
 
 
-def _plan(experiment: Experiment, grid: Sequence[Cell], store: Path, jobs: int) -> str:
+def _plan(experiment: Experiment, grid: Sequence[Cell], store: Path, jobs: int) -> BenchmarkPlan:
     """What would be run, what of it is there, and about how long the rest takes."""
     asked, left = experiment.benchmark, decisions_left(grid, store)
-    runs = sum(len(cell.trial_numbers()) for cell in grid)
-    decisions = sum(len(cell.trial_numbers()) * cell.n_cycles for cell in grid)
+    return BenchmarkPlan(
+        conditions=tuple(asked.conditions),
+        n_cycles=asked.n_cycles,
+        policies=tuple(asked.policies),
+        cells=len(grid),
+        runs=sum(len(cell.trial_numbers()) for cell in grid),
+        decisions=sum(len(cell.trial_numbers()) * cell.n_cycles for cell in grid),
+        decisions_left=sum(left),
+        store=store,
+        jobs=jobs,
+        estimated_s=estimated_seconds(grid, left, jobs),
+    )
+
+
+def _plan_text(plan: BenchmarkPlan) -> str:
     lines = [
-        f"conditions: {', '.join(asked.conditions)}",
-        f"cycles: {', '.join(map(str, asked.n_cycles))}",
-        f"policies: {', '.join(asked.policies)}",
-        f"{counted(len(grid), 'cell')}, {counted(runs, 'run')}, {decisions} decisions, "
-        f"{sum(left)} of them not in {store} yet: about {duration_text(estimated_seconds(grid, left, jobs))} with "
-        f"--jobs {jobs} (regret and bounds not counted).",
+        f"conditions: {', '.join(plan.conditions)}",
+        f"cycles: {', '.join(map(str, plan.n_cycles))}",
+        f"policies: {', '.join(plan.policies)}",
+        f"{counted(plan.cells, 'cell')}, {counted(plan.runs, 'run')}, {plan.decisions} decisions, "
+        f"{plan.decisions_left} of them not in {plan.store} yet: about {duration_text(plan.estimated_s)} with "
+        f"--jobs {plan.jobs} (regret and bounds not counted).",
     ]
     return "\n".join(lines)
 
@@ -173,30 +198,19 @@ def _measure_regret(
         Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
-    return regret_rows(grid, _run(judgements, store, executor, "Measuring regret"))
+    return regret_rows(grid, _run(judgements, store, executor, "Measuring regret", "judged runs"))
 
 
 def _run_bounds(cells: Sequence[Cell], store: Path, executor: Executor) -> pd.DataFrame:
-    with counter(talk()) as bar:
-        places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
-        task = bar.add_task("Bounding the least cost", total=len(places))
-        return run_bounds(cells, writable_folder(store), executor, lambda: bar.advance(task))
+    places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
+    with progress("Bounding the least cost", len(places), kept=("bounds", store)) as counter:
+        return run_bounds(cells, writable_folder(store), executor, counter.advance)
 
 
-def _run(grid: Sequence[Job[T]], store: Path, executor: Executor, title: str) -> list[dict[int, T]]:
-    console = talk()
-    total = sum(len(job.trial_numbers()) * job.effort for job in grid)
-    share = TextColumn("{task.percentage:.0f} %")
-    with Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        share,
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=console,
-    ) as bar:
-        task = bar.add_task(title, total=total)
-        done, warnings = run_grid(grid, store, executor, lambda job, n: bar.advance(task, n * job.effort))
-    for warning in warnings:
-        console.print(f"Warning: {warning}", markup=False)
+def _run(grid: Sequence[Job[T]], store: Path, executor: Executor, title: str, what: str) -> list[dict[int, T]]:
+    runs = sum(len(job.trial_numbers()) for job in grid)
+    effort = sum(len(job.trial_numbers()) * job.effort for job in grid)
+    with progress(title, runs, effort, kept=(what, store)) as counter:
+        done, warnings = run_grid(grid, store, executor, lambda job, n: counter.advance(n, n * job.effort))
+    warn(warnings)
     return done

@@ -7,6 +7,21 @@ from typing import Annotated, Any
 
 import typer
 
+from fatigue_planner.cli.documents import (
+    CacheCheck,
+    CacheContents,
+    CacheMisses,
+    CacheRubbish,
+    CheckedReaction,
+    ExportedBundle,
+    ImportedBundle,
+    ImportedReaction,
+    KeyDifference,
+    MissingReaction,
+    StoredReaction,
+    UnreadableFile,
+    UselessFile,
+)
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -16,9 +31,9 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     command_line,
-    counter,
-    talk,
 )
+from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import progress
 from fatigue_planner.errors import ExitCode, MissingReactionsError
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
@@ -27,7 +42,7 @@ from fatigue_planner.reactions.audit import Audit, audit
 from fatigue_planner.reactions.bundle import export_bundle, import_bundle
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.housekeeping import Contents, contents, useless
-from fatigue_planner.reactions.why import Difference, Miss, explain
+from fatigue_planner.reactions.why import Miss, explain
 from fatigue_planner.reports.html.words import counted
 
 app = typer.Typer(help="Look after the cache of reactions.", no_args_is_help=True)
@@ -37,23 +52,23 @@ BundleFile = Annotated[Path, typer.Argument(metavar="BUNDLE", help="The file wit
 
 
 @app.command("list", epilog=EXIT_CODES)
-def list_(cache: CacheFolder = DEFAULT_CACHE) -> None:
+def list_(cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
     """List the stored reactions: name, size, and whether this version of fatplan can find them."""
     found = _contents(ReactionCache(cache))
-    for one in (*found.current, *found.other):
-        use = "" if one.key.is_current else "  made by other sources or libraries"
-        typer.echo(f"  {one.name!s:<40} {one.path.stat().st_size / 1e6:6.1f} MB  {one.path.name}{use}")
-    for _, reason in (*found.unreadable, *found.damaged):
-        typer.echo(f"  {reason}")
-    size = sum(path.stat().st_size for path in ReactionCache(cache).files()) / 1e6
-    typer.echo(
-        f"{cache}: {counted(len(found.current), 'reaction')}, {len(found.other) + len(found.unreadable)} of other "
-        f"versions, {len(found.damaged)} damaged; {size:.1f} MB."
-    )
+    reactions = [
+        StoredReaction(str(one.name), one.key.digest, one.path.name, one.path.stat().st_size, one.key.is_current)
+        for one in (*found.current, *found.other)
+    ]
+    unreadable = [UnreadableFile(path.name, damaged, reason)
+                  for damaged, files in ((False, found.unreadable), (True, found.damaged))
+                  for path, reason in files]  # fmt: skip
+    size = sum(path.stat().st_size for path in ReactionCache(cache).files())
+    document = CacheContents(cache, reactions, unreadable, size)
+    present(document, _contents_text(document), as_json)
 
 
 @app.command(epilog=EXIT_CODES)
-def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
+def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: Json = False) -> None:
     """Check every stored reaction again: its hash, and every invariant of its motion.
 
     The invariants (equation of motion, friction, centre of pressure, limits, feet, hands, balance,
@@ -64,27 +79,25 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES) -> None:
     files = ReactionCache(cache).files()
     if not files:
         raise MissingReactionsError(f"{cache}: no reaction there. Run `fatplan simulate` first.")
-    audits: dict[int, Audit] = {}
-    with counter(talk()) as bar:
-        task = bar.add_task("Checking reactions", total=len(files))
+    checked: dict[int, CheckedReaction] = {}
+    with progress("Checking reactions", len(files)) as counter:
         for place, result in LocalProcesses(jobs).run(audit, files):
-            audits[place] = result if isinstance(result, Audit) else Audit(files[place], "failed", reason=result.reason)
-            bar.advance(task)
-    for place in range(len(files)):
-        typer.echo(f"  {_verdict(audits[place])}")
-    counts = Counter(result.verdict for result in audits.values() if not result.damaged)
-    n_damaged = sum(result.damaged for result in audits.values())
-    typer.echo(
-        f"{cache}: {counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
-        f"{counts['failed']} failed, {n_damaged} damaged, {counts[None]} of other versions, not checked."
-    )
-    if n_damaged or counts["failed"]:
-        typer.echo("`fatplan simulate` sets damaged files aside and simulates again what its experiment needs.")
-        raise typer.Exit(ExitCode.DAMAGED_STORE if n_damaged else ExitCode.FAILED_PARTS)
+            one = result if isinstance(result, Audit) else Audit(files[place], "failed", reason=result.reason)
+            name = None if one.name is None else str(one.name)
+            verdict = "damaged" if one.damaged else one.verdict or "other version"
+            checked[place] = CheckedReaction(one.path.name, name, verdict, one.reason)
+            counter.advance()
+    counts = Counter(one.verdict for one in checked.values())
+    document = CacheCheck(cache, counts, [checked[place] for place in range(len(files))])
+    present(document, _check_text(document), as_json)
+    if counts["damaged"] or counts["failed"]:
+        raise typer.Exit(ExitCode.DAMAGED_STORE if counts["damaged"] else ExitCode.FAILED_PARTS)
 
 
 @app.command(epilog=EXIT_CODES)
-def why(experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE) -> None:
+def why(
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False
+) -> None:
     """Say which reactions of an EXPERIMENT are not in the cache, and what has changed since there were such.
 
     Each is compared with the nearest stored one: settings by their path, the files of fatplan that produce motions,
@@ -94,19 +107,21 @@ def why(experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DE
     found = _contents(ReactionCache(cache))
     there = {one.key.digest for one in found.current}
     misses = [explain(one, (*found.current, *found.other)) for one in requests if one.digest not in there]
-    for miss in misses:
-        for line in _reasons(miss):
-            typer.echo(line)
-    for _, reason in found.damaged:
-        typer.echo(f"Damaged, and so not found: {reason}")
-    rest = f" `{command_line('simulate', experiment, cache)}` simulates the others." if misses else ""
-    typer.echo(f"{cache}: {len(requests) - len(misses)} of {counted(len(requests), 'reaction')} are there.{rest}")
+    document = CacheMisses(
+        folder=cache,
+        wanted=len(requests),
+        found=len(requests) - len(misses),
+        missing=[_missing(miss) for miss in misses],
+        damaged=[reason for _, reason in found.damaged],
+    )
+    present(document, _misses_text(document, command_line("simulate", experiment, cache)), as_json)
 
 
 @app.command(epilog=EXIT_CODES)
 def gc(
     cache: CacheFolder = DEFAULT_CACHE,
     delete: Annotated[bool, typer.Option("--delete", help="Delete them; without it they are only listed.")] = False,
+    as_json: Json = False,
 ) -> None:
     """List what no run of this version will ever read again, or delete it.
 
@@ -115,72 +130,111 @@ def gc(
     """
     store = ReactionCache(cache)
     files = useless(store, _contents(store))
-    for one in files:
-        typer.echo(f"  {one.path.name}: {one.reason} ({one.size_bytes / 1e6:.1f} MB)")
-        if delete:
+    if delete:
+        for one in files:
             one.path.unlink(missing_ok=True)
-    size = sum(one.size_bytes for one in files) / 1e6
+    listed = [UselessFile(one.path.name, one.reason, one.size_bytes) for one in files]
+    lines = [f"  {one.file}: {one.reason} ({_megabytes(one.size_bytes)})" for one in listed]
     done = "deleted" if delete else "can go; `fatplan cache gc --delete` deletes them" if files else "can go"
-    typer.echo(f"{cache}: {counted(len(files), 'file')} of {size:.1f} MB {done}.")
+    size = _megabytes(sum(one.size_bytes for one in listed))
+    text = "\n".join([*lines, f"{cache}: {counted(len(listed), 'file')} of {size} {done}."])
+    present(CacheRubbish(cache, listed, delete), text, as_json)
 
 
 @app.command(epilog=EXIT_CODES)
 def export(
-    experiment: ExperimentFile,
-    bundle: BundleFile,
-    cache: CacheFolder = DEFAULT_CACHE,
+    experiment: ExperimentFile, bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False
 ) -> None:
     """Put the reactions of an EXPERIMENT into one file, for another machine with the same versions."""
     requests = reaction_requests(load_experiment(experiment))
-    paths = ReactionCache(cache).paths(requests, command_line("simulate", experiment, cache))
-    export_bundle(paths, bundle)
-    typer.echo(f"{bundle}: {counted(len(paths), 'reaction')}, {bundle.stat().st_size / 1e6:.1f} MB.")
+    n = export_bundle(ReactionCache(cache), requests, bundle, command_line("simulate", experiment, cache))
+    document = ExportedBundle(bundle, n, bundle.stat().st_size)
+    present(document, f"{bundle}: {counted(n, 'reaction')}, {_megabytes(document.size_bytes)}.", as_json)
 
 
 @app.command("import", epilog=EXIT_CODES)
-def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE) -> None:
+def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
     """Take the reactions of a file made by `fatplan cache export` into the cache.
 
     Nothing in the file is believed: every reaction is checked as if it had just been simulated, and refused if it could
     not have been. Exit code 3 if some are refused.
     """
-    refused, new, known = 0, 0, 0
-    with counter(talk()) as bar:
-        task = bar.add_task("Checking reactions", total=None)
-        for one in import_bundle(bundle, ReactionCache(cache)):
-            bar.advance(task)
-            refused, new, known = refused + bool(one.refused), new + one.new, known + (not one.refused and not one.new)
-            typer.echo(f"  REFUSED {one.refused}" if one.refused else f"  {one.path}{'' if one.new else ': was there'}")
-    typer.echo(f"{cache}: {new} taken, {known} there already, {refused} refused.")
+    found = []
+    for one in import_bundle(bundle, ReactionCache(cache)):
+        found.append(ImportedReaction(one.member, one.path, one.new, one.refused))
+    taken, refused = sum(one.new for one in found), sum(bool(one.refused) for one in found)
+    lines = [
+        f"  REFUSED {one.refused}" if one.refused else f"  {one.path}{'' if one.new else ': was there'}"
+        for one in found
+    ]
+    summary = f"{cache}: {taken} taken, {len(found) - taken - refused} there already, {refused} refused."
+    present(ImportedBundle(cache, found, taken, refused), "\n".join([*lines, summary]), as_json)
     if refused:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
 
 def _contents(store: ReactionCache) -> Contents:
-    with counter(talk()) as bar:
-        task = bar.add_task("Reading the cache", total=len(store.files()))
-        return contents(store, lambda: bar.advance(task))
+    with progress("Reading the cache", len(store.files())) as counter:
+        return contents(store, counter.advance)
 
 
-def _verdict(result: Audit) -> str:
-    if result.verdict is None:
-        return f"not checked: {result.reason}"
-    name = result.path.name if result.name is None else str(result.name)
-    reason = f": {result.reason}" if result.reason else ""
-    return f"{name:<40} {'DAMAGED' if result.damaged else result.verdict}{reason}"
+def _contents_text(found: CacheContents) -> str:
+    lines = [
+        f"  {one.name:<40} {_megabytes(one.size_bytes):>10}  {one.file}"
+        f"{'' if one.current else '  made by other sources or libraries'}"
+        for one in found.reactions
+    ]
+    lines += [f"  {one.reason}" for one in found.unreadable]
+    current, damaged = sum(one.current for one in found.reactions), sum(one.damaged for one in found.unreadable)
+    others = len(found.reactions) + len(found.unreadable) - current - damaged
+    summary = (
+        f"{found.folder}: {counted(current, 'reaction')}, {others} of other versions, {damaged} damaged; "
+        f"{_megabytes(found.size_bytes)}."
+    )
+    return "\n".join([*lines, summary])
 
 
-def _reasons(miss: Miss) -> list[str]:
+def _check_text(check: CacheCheck) -> str:
+    lines = [
+        f"  {one.name or one.file:<40} {one.verdict.upper() if one.verdict == 'damaged' else one.verdict}"
+        f"{f': {one.reason}' if one.reason else ''}"
+        for one in check.reactions
+    ]
+    counts = check.counts
+    lines.append(
+        f"{check.folder}: {counted(len(check.reactions), 'reaction')}: {counts['ok']} ok, {counts['degraded']} "
+        f"degraded, {counts['failed']} failed, {counts['damaged']} damaged, {counts['other version']} of other "
+        "versions, not checked."
+    )
+    if counts["damaged"] or counts["failed"]:
+        lines.append("`fatplan simulate` sets damaged files aside and simulates again what its experiment needs.")
+    return "\n".join(lines)
+
+
+def _missing(miss: Miss) -> MissingReaction:
+    differences = [KeyDifference(one.part, one.wanted, one.stored) for one in miss.differences]
+    nearest = miss.nearest
+    if nearest is None:
+        return MissingReaction(str(miss.name), None, None, differences)
+    return MissingReaction(str(miss.name), nearest.path.name, str(nearest.name), differences)
+
+
+def _misses_text(misses: CacheMisses, simulate: str) -> str:
+    lines = [line for one in misses.missing for line in _reasons(one)]
+    lines += [f"Damaged, and so not found: {reason}" for reason in misses.damaged]
+    rest = f" `{simulate}` simulates the others." if misses.missing else ""
+    summary = f"{misses.folder}: {misses.found} of {counted(misses.wanted, 'reaction')} are there.{rest}"
+    return "\n".join([*lines, summary])
+
+
+def _reasons(miss: MissingReaction) -> list[str]:
     if miss.nearest is None:
         return [f"  {miss.name}: nothing like it was ever stored here"]
-    file = miss.nearest.path.name
-    other = (
-        "" if miss.nearest.name == miss.name else f"there is none of this name; the nearest is {miss.nearest.name}; "
-    )
-    return [f"  {miss.name}: {other}{file} was made for", *(f"    {_difference(one)}" for one in miss.differences)]
+    other = "" if miss.nearest_name == miss.name else f"none of this name; the nearest is {miss.nearest_name}; "
+    return [f"  {miss.name}: {other}{miss.nearest} was made for", *(f"    {_part(one)}" for one in miss.differences)]
 
 
-def _difference(one: Difference) -> str:
+def _part(one: KeyDifference) -> str:
     if one.part.startswith("source "):
         change = "is new" if one.stored is None else "is gone" if one.wanted is None else "has changed"
         return f"other code: {one.part} {change}"
@@ -190,3 +244,7 @@ def _difference(one: Difference) -> str:
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value)
     return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}…"
+
+
+def _megabytes(size_bytes: int) -> str:
+    return f"{size_bytes / 1e6:.1f} MB"

@@ -1,6 +1,7 @@
 """`fatplan claims`: a paper's statements, one by one, against the runs of a benchmark."""
 
 import shutil
+from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -8,10 +9,18 @@ import typer
 
 from fatigue_planner.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.benchmark.table import TRIALS_FILE
+from fatigue_planner.claims.answers import VERDICTS
+from fatigue_planner.claims.evaluation import evaluate
+from fatigue_planner.claims.loader import load_claims
+from fatigue_planner.claims.tables import CLAIMS_FILE, DETAIL_FILE
+from fatigue_planner.claims.text import claims_text
+from fatigue_planner.cli.documents import JudgedClaims
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.experiment.results import load_results
 from fatigue_planner.files import digest_of_files, publish_csv
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.statistics.rows import records
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 
@@ -19,17 +28,13 @@ DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 def claims(
     claims: Annotated[Path, typer.Argument(metavar="CLAIMS", help="The file of claims (YAML).")] = DEFAULT_CLAIMS,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Judge every claim of a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reason.
 
     Needs the results of `fatplan benchmark` of the experiment the file names, its whole grid; with those of
     `--bound` it also says how much any policy could win. Beside the verdict stands that of the paper's own test.
     """
-    from fatigue_planner.claims.evaluation import evaluate  # noqa: PLC0415 - with its layers, takes half a second
-    from fatigue_planner.claims.loader import load_claims  # noqa: PLC0415
-    from fatigue_planner.claims.tables import CLAIMS_FILE, DETAIL_FILE  # noqa: PLC0415
-    from fatigue_planner.claims.text import claims_text  # noqa: PLC0415
-
     loaded = load_claims(claims)
     experiment = loaded.experiment
     folder = results / experiment.name
@@ -44,8 +49,17 @@ def claims(
         "statistics": experiment.statistics.plain(),
         "tables": digest_of_files(read),
     }
-    publish_manifest(folder, "claims", configuration, [folder / CLAIMS_FILE, folder / DETAIL_FILE])
-    typer.echo(claims_text(found.claims, shutil.get_terminal_size().columns))
+    hashes = publish_manifest(folder, "claims", configuration, [folder / CLAIMS_FILE, folder / DETAIL_FILE])
+    counts = Counter(found.claims["verdict"])
+    document = JudgedClaims(
+        folder=folder,
+        files=hashes,
+        counts={verdict: counts[verdict] for verdict in VERDICTS},
+        claims=records(found.claims),
+        bounds=tables.bounds is not None,
+    )
+    lines = [claims_text(found.claims, shutil.get_terminal_size().columns)]
     if tables.bounds is None:
-        typer.echo(f"How much any policy could win is not known; `{command} --bound` computes it.")
-    typer.echo(f"{folder}: {CLAIMS_FILE}, {DETAIL_FILE}, {MANIFEST_FILE}")
+        lines.append(f"How much any policy could win is not known; `{command} --bound` computes it.")
+    lines.append(f"{folder}: {CLAIMS_FILE}, {DETAIL_FILE}, {MANIFEST_FILE}")
+    present(document, "\n".join(lines), as_json)

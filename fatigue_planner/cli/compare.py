@@ -5,8 +5,14 @@ from typing import Annotated
 
 import typer
 
+from fatigue_planner.cli.documents import SideBySide
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.reports.results.compare import compare as compared
+from fatigue_planner.reports.results.compare import compare_page, compare_text
+from fatigue_planner.reports.results.gallery import Gallery
+from fatigue_planner.statistics.rows import records
 
 
 def compare(
@@ -15,20 +21,28 @@ def compare(
     save: Annotated[
         Path | None, typer.Option("--save", help="Also save a page (.html), with its table as CSV beside it.")
     ] = None,
+    as_json: Json = False,
 ) -> None:
     """Set two results folders, A and B, side by side: settings, versions and the return of every policy in both.
 
     Each policy of A is compared with the same policy of B, run by run.
     """
-    from fatigue_planner.reports.results.compare import compare as compared  # noqa: PLC0415 - loads matplotlib
-    from fatigue_planner.reports.results.compare import compare_page, compare_text  # noqa: PLC0415
-    from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415
-
     if save is not None and save.suffix.lower() != ".html":
         raise SelectionError(f"--save {save}: the name must end in .html.")
     found = compared(first, second)
-    typer.echo(compare_text(found))
+    text, files = compare_text(found), []
     if save is not None:
         gallery = Gallery(writable_folder(save.parent))
         publish_text(save, compare_page(found, gallery, save.stem))
-        typer.echo(f"{save}, {gallery.files[0]}")
+        files = [save, gallery.files[0]]
+        text += f"\n{save}, {gallery.files[0]}"
+    document = SideBySide(
+        folders=found.names,
+        settings=found.settings,
+        versions=found.versions,
+        only=found.only,
+        same_worlds=found.same_worlds,
+        contrasts=records(found.contrasts),
+        files=files,
+    )
+    present(document, text, as_json)

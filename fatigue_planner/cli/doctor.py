@@ -5,13 +5,14 @@ import tempfile
 import time
 import webbrowser
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import typer
 
+from fatigue_planner.cli.documents import Examination, Finding
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, CacheFolder, ResultsFolder
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.errors import ExitCode, OutputFolderError
 from fatigue_planner.executors.processes import available_cores
 from fatigue_planner.files import writable_folder
@@ -21,17 +22,7 @@ SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
 
 
-@dataclass(frozen=True)
-class Finding:
-    """What a check found: None as a remedy where all is well; `vital` things make the command fail."""
-
-    what: str
-    found: str
-    remedy: str | None = None
-    vital: bool = True
-
-
-def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS) -> None:
+def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS, as_json: Json = False) -> None:
     """Check this installation: versions, solvers, compiler, HDF5, folders, viewer and browser, each by using it.
 
     What is missing is named with what to do about it; the exit code is 3 if nothing can work without it.
@@ -41,13 +32,15 @@ def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_
         _viewer, _browser, _cores,
     ]  # fmt: skip
     findings = [_careful(check) for check in checks]
-    for one in findings:
-        mark = "ok     " if one.remedy is None else "MISSING" if one.vital else "absent "
-        typer.echo(f"{mark} {one.what}: {one.found}")
-        if one.remedy:
-            typer.echo(f"        {one.remedy}")
-    if any(one.remedy and one.vital for one in findings):
+    healthy = not any(one.remedy and one.vital for one in findings)
+    present(Examination(healthy, findings), "\n".join(map(_words, findings)), as_json)
+    if not healthy:
         raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+def _words(one: Finding) -> str:
+    mark = "ok     " if one.remedy is None else "MISSING" if one.vital else "absent "
+    return f"{mark} {one.what}: {one.found}" + (f"\n        {one.remedy}" if one.remedy else "")
 
 
 def _careful(check: Callable[[], Finding]) -> Finding:

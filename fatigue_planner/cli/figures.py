@@ -1,7 +1,6 @@
 """`fatplan figures`: the figures of a finished benchmark."""
 
-import typer
-
+from fatigue_planner.cli.documents import FilesOf
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -11,6 +10,7 @@ from fatigue_planner.cli.options import (
     ResultsFolder,
     command_line,
 )
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.results import load_results
@@ -24,16 +24,17 @@ def figures(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Draw the figures of an EXPERIMENT: returns per policy, postural reactions, their loads and costs.
 
     Needs the reactions of `fatplan simulate` and, if the experiment names figures of returns, the results
     of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
     """
+    settings = load_experiment(experiment)
     from fatigue_planner.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415
 
-    settings = load_experiment(experiment)
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     gallery = Gallery(results / settings.name)
     if settings.figures:
@@ -42,7 +43,6 @@ def figures(
     writable_folder(gallery.folder)
     draw_reactions(gallery, settings, reactions, worker_fatigue(settings))
     note = {"reactions": digests(reaction_requests(settings))}
-    publish_manifest(gallery.folder, "figures", note, gallery.files)
-    for path in gallery.files:
-        if path.suffix == ".png":
-            typer.echo(f"{path} (and .svg, .csv)")
+    hashes = publish_manifest(gallery.folder, "figures", note, gallery.files)
+    pictures = [f"{path} (and .svg, .csv)" for path in gallery.files if path.suffix == ".png"]
+    present(FilesOf(gallery.folder, hashes), "\n".join(pictures), as_json)

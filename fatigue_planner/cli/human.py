@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from fatigue_planner.cli.documents import ExportedHuman, HumanPage
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -14,6 +15,7 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     command_line,
 )
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions
@@ -55,6 +57,7 @@ def export(
     ] = None,
     worker: OneWorker = None,
     tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
     settings = load_experiment(experiment)
@@ -64,7 +67,8 @@ def export(
     human = build_human(person, settings.tool.mass_kg if tool else 0.0)
     strength = maximum_torque(person.strength).vectors()
     publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
-    typer.echo(f"{output}: {len(human.model.names) - 2} joints, {human.mass_kg:.1f} kg")
+    made = ExportedHuman(output, name, len(human.model.names) - 2, human.mass_kg)
+    present(made, f"{output}: {made.joints} joints, {made.mass_kg:.1f} kg", as_json)
 
 
 @app.command(epilog=EXIT_CODES)
@@ -75,6 +79,7 @@ def report(
     ] = None,
     worker: OneWorker = None,
     cache: CacheFolder = DEFAULT_CACHE,
+    as_json: Json = False,
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""
     settings = load_experiment(experiment)
@@ -85,7 +90,8 @@ def report(
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
     page = human_page(settings.workers[name], settings.tool.mass_kg, settings.fatigue, own, command)
     publish_text(output, page)
-    typer.echo(f"{output}: {page.count('**OUTSIDE**')} values outside their band or range")
+    made = HumanPage(output, name, page.count("**OUTSIDE**"))
+    present(made, f"{output}: {made.outside} values outside their band or range", as_json)
 
 
 def _one_worker(settings: Experiment, wanted: str | None) -> str:

@@ -5,41 +5,84 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli.benchmark import benchmark
-from fatigue_planner.cli.cache import app as cache
-from fatigue_planner.cli.claims import claims
-from fatigue_planner.cli.compare import compare
-from fatigue_planner.cli.doctor import doctor
-from fatigue_planner.cli.figures import figures
-from fatigue_planner.cli.human import app as human
+from fatigue_planner.cli.lazy import LazyCommand, LazyGroup
 from fatigue_planner.cli.options import EXIT_CODES
-from fatigue_planner.cli.report import report
-from fatigue_planner.cli.sensitivity import sensitivity
-from fatigue_planner.cli.simulate import simulate
-from fatigue_planner.cli.validate import schema, validate
-from fatigue_planner.cli.view import view
+
+
+class _Commands(LazyGroup):
+    lazy = (
+        LazyCommand(
+            "simulate",
+            "Simulate the digital human for every action and motion preference of an EXPERIMENT.",
+            "fatigue_planner.cli.simulate:simulate",
+        ),
+        LazyCommand(
+            "benchmark",
+            "Run every policy of an EXPERIMENT in every condition and compare their returns.",
+            "fatigue_planner.cli.benchmark:benchmark",
+        ),
+        LazyCommand(
+            "claims",
+            "Judge every claim of a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reason.",
+            "fatigue_planner.cli.claims:claims",
+        ),
+        LazyCommand(
+            "figures",
+            "Draw the figures of an EXPERIMENT: returns per policy, postural reactions, their loads and costs.",
+            "fatigue_planner.cli.figures:figures",
+        ),
+        LazyCommand(
+            "report",
+            "Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and "
+            "tables.",
+            "fatigue_planner.cli.report:report",
+        ),
+        LazyCommand(
+            "compare",
+            "Set two results folders, A and B, side by side: settings, versions and the return of every policy in "
+            "both.",
+            "fatigue_planner.cli.compare:compare",
+        ),
+        LazyCommand(
+            "sensitivity",
+            "Find out for which settings planning is worth while, and which of them decide it.",
+            "fatigue_planner.cli.sensitivity:sensitivity",
+        ),
+        LazyCommand(
+            "view",
+            "Show the digital human performing the reactions of an EXPERIMENT.",
+            "fatigue_planner.cli.view:view",
+        ),
+        LazyCommand(
+            "validate",
+            "Check a FILE of settings completely, without doing anything: all faults are told at once.",
+            "fatigue_planner.cli.validate:validate",
+        ),
+        LazyCommand(
+            "schema",
+            "Print the JSON Schema of a kind of file, for editors that complete and check YAML while one types.",
+            "fatigue_planner.cli.schema:schema",
+        ),
+        LazyCommand(
+            "doctor",
+            "Check this installation: versions, solvers, compiler, HDF5, folders, viewer and browser, each by using "
+            "it.",
+            "fatigue_planner.cli.doctor:doctor",
+        ),
+        LazyCommand("human", "Show or export the digital human of an experiment.", "fatigue_planner.cli.human:app"),
+        LazyCommand("cache", "Look after the reaction cache.", "fatigue_planner.cli.cache:app"),
+    )
+
 
 app = typer.Typer(
     name="fatplan",
+    cls=_Commands,
     help="Plan a cobot's choices so that a worker's fatigue stays low in the long run.",
     epilog=EXIT_CODES,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command(epilog=EXIT_CODES)(simulate)
-app.command(epilog=EXIT_CODES)(benchmark)
-app.command(epilog=EXIT_CODES)(claims)
-app.command(epilog=EXIT_CODES)(figures)
-app.command(epilog=EXIT_CODES)(report)
-app.command(epilog=EXIT_CODES)(compare)
-app.command(epilog=EXIT_CODES)(sensitivity)
-app.command(epilog=EXIT_CODES)(view)
-app.command(epilog=EXIT_CODES)(validate)
-app.command(epilog=EXIT_CODES)(schema)
-app.command(epilog=EXIT_CODES)(doctor)
-app.add_typer(human, name="human", epilog=EXIT_CODES)
-app.add_typer(cache, name="cache", epilog=EXIT_CODES)
 
 
 def _show_version(wanted: bool) -> None:

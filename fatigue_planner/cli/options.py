@@ -6,8 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from fatigue_planner.errors import MissingExtraError
 from fatigue_planner.executors.executor import Executor
@@ -55,14 +53,3 @@ def executor_of(jobs: int, dask: str | None) -> Executor:
     from fatigue_planner.executors.dask import DaskCluster  # noqa: PLC0415 - an optional extra
 
     return DaskCluster(dask)
-
-
-def talk() -> Console:
-    """Where progress and messages go: the terminal's error stream, apart from results."""
-    return Console(stderr=True, highlight=False, soft_wrap=True)
-
-
-def counter(console: Console) -> Progress:
-    """A progress bar that counts pieces of work."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    return Progress(*columns, console=console)

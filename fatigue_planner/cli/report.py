@@ -2,8 +2,7 @@
 
 import time
 
-import typer
-
+from fatigue_planner.cli.documents import FilesOf
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -13,6 +12,7 @@ from fatigue_planner.cli.options import (
     ResultsFolder,
     command_line,
 )
+from fatigue_planner.cli.output import Json, present
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import cycle_profiles, load_reactions, reaction_requests
 from fatigue_planner.experiment.results import courses, load_results
@@ -26,20 +26,21 @@ def report(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and tables.
 
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
     does not change. Every run is lived through again from its actions; one that does not come to its return is named.
     """
+    begin = time.perf_counter()
+    settings = load_experiment(experiment)
     from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
     from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
     from fatigue_planner.reports.results.report import report  # noqa: PLC0415
     from fatigue_planner.reports.study.finished import study_of  # noqa: PLC0415
 
-    begin = time.perf_counter()
-    settings = load_experiment(experiment)
     simulate = command_line("simulate", experiment, cache)
     benchmark, own = (command_line(command, experiment, cache, results) for command in ("benchmark", "report"))
     reactions = load_reactions(settings, cache, simulate)
@@ -53,9 +54,10 @@ def report(
     commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     publish_text(path, report(material, gallery, experiment, commands, study))
     note = {"reactions": digests(reaction_requests(settings))}
-    publish_manifest(folder, "report", note, [*gallery.files, path])
+    hashes = publish_manifest(folder, "report", note, [*gallery.files, path])
     size = path.stat().st_size / 1e6
-    typer.echo(
+    text = (
         f"{path}: {size:.1f} MB; {len(gallery.files)} files of figures and data beside it "
         f"({time.perf_counter() - begin:.1f} s)."
     )
+    present(FilesOf(folder, hashes), text, as_json)

@@ -6,9 +6,9 @@ from typing import Annotated
 
 import pandas as pd
 import typer
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
+from fatigue_planner.cli.documents import StudyRun
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -17,8 +17,9 @@ from fatigue_planner.cli.options import (
     Jobs,
     ResultsFolder,
     command_line,
-    talk,
 )
+from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import progress, talk, warn
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.executors.executor import Executor
 from fatigue_planner.executors.processes import LocalProcesses
@@ -42,6 +43,7 @@ def sensitivity(
     jobs: Jobs = ALL_CORES,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    as_json: Json = False,
 ) -> None:
     """Find out for which settings planning is worth while, and which of them decide it.
 
@@ -56,18 +58,21 @@ def sensitivity(
     executor = LocalProcesses(jobs)
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
     trials = _run(reacted, store, executor)
-    _publish(settings, reacted, trials, results / settings.settings.name, command)
+    done, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
+    lessons = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(done.lessons, start=1))
+    present(done, f"{lessons}\n\n{done.folder}: {names}", as_json)
 
 
 def _react(
     study: Study, points: Sequence[Point], cache: ReactionCache, executor: Executor, command: str
 ) -> list[Reacted]:
     console = talk()
-    with _bar() as bar:
-        task = bar.add_task(f"Reactions of {len(points)} points", total=len(unique_requests(points)))
-        reacted = react(points, cache, executor, lambda _: bar.advance(task), command)
-    for warning in cache.damaged:
-        console.print(f"Warning: {warning}", markup=False)
+    total = len(unique_requests(points))
+    with progress(f"Reactions of {len(points)} points", total, kept=("reactions", cache.folder)) as counter:
+        reacted = react(
+            points, cache, executor, lambda outcome: counter.advance(pieces=outcome.verdict != "failed"), command
+        )
+    warn(cache.damaged)
     feasible = sum(one.profiles is not None for one in reacted)
     console.print(f"{feasible} of {len(reacted)} points can be performed.")
     if not feasible:
@@ -83,22 +88,18 @@ def _run(reacted: Sequence[Reacted], store: Path, executor: Executor) -> Mapping
     console.print(
         f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with {executor.workers} workers."
     )
-    with _bar() as bar:
-        task = bar.add_task("Decisions", total=sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells))
-        trials, warnings = grid.run(store, executor, lambda job, n: bar.advance(task, n * job.effort))
-    for warning in warnings:
-        console.print(f"Warning: {warning}", markup=False)
+    runs = sum(len(cell.trial_numbers()) for cell in grid.cells)
+    effort = sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells)
+    with progress("Decisions", runs, effort, kept=("runs", store)) as counter:
+        trials, warnings = grid.run(store, executor, lambda job, n: counter.advance(n, n * job.effort))
+    warn(warnings)
     return trials
-
-
-def _bar() -> Progress:
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    return Progress(*columns, TimeElapsedColumn(), TimeRemainingColumn(), console=talk())
 
 
 def _publish(
     study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
-) -> None:
+) -> tuple[StudyRun, str]:
+    """Everything on disk: what was made, and the names of the files for people."""
     from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
     from fatigue_planner.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
@@ -118,8 +119,8 @@ def _publish(
         "reactions": unique_digests([one.point for one in reacted]),
         "figures": [path.stem for path in drawn if path.suffix == ".svg"],
     }
-    publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])
+    hashes = publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])
     publish_text(folder / REPORT_FILE, study_page(read_study(folder), command))
-    typer.echo("\n".join(f"{number}. {sentence}" for number, sentence in enumerate(tables.lessons, start=1)))
-    names = ", ".join([*(path.name for path in files), f"{FIGURES}/", MANIFEST_FILE])
-    typer.echo(f"\n{folder}: {REPORT_FILE}, {names}")
+    names = ", ".join([REPORT_FILE, *(path.name for path in files), f"{FIGURES}/", MANIFEST_FILE])
+    feasible = sum(one.profiles is not None for one in reacted)
+    return StudyRun(folder, hashes, len(reacted), feasible, tables.lessons), names

@@ -1,9 +1,12 @@
 """`fatplan simulate`: every action with every preference, into the reaction cache."""
 
 import time
+from collections.abc import Sequence
+from pathlib import Path
 
 import typer
 
+from fatigue_planner.cli.documents import SimulatedReaction, Simulation
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -12,10 +15,10 @@ from fatigue_planner.cli.options import (
     Dask,
     ExperimentFile,
     Jobs,
-    counter,
     executor_of,
-    talk,
 )
+from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.errors import ExitCode
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
@@ -27,6 +30,7 @@ def simulate(
     cache: CacheFolder = DEFAULT_CACHE,
     jobs: Jobs = ALL_CORES,
     dask: Dask = None,
+    as_json: Json = False,
 ) -> None:
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
@@ -37,24 +41,58 @@ def simulate(
     begin = time.perf_counter()
     settings = load_experiment(experiment)
     requests, executor = reaction_requests(settings), executor_of(jobs, dask)
-    store, console = ReactionCache(cache), talk()
-    with counter(console) as bar:
-        task = bar.add_task("Simulating reactions", total=len(requests))
-        outcomes = store.complete(requests, executor, lambda _: bar.advance(task))
-    for warning in store.damaged:
-        console.print(f"Warning: {warning}", markup=False)
-    for outcome in outcomes:
-        typer.echo(f"  {outcome.name!s:<32} {_words(outcome)}")
+    store = ReactionCache(cache)
+    with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:
+        outcomes = store.complete(
+            requests, executor, lambda outcome: counter.advance(pieces=outcome.verdict != "failed")
+        )
+    warn(store.damaged)
+    done = _document(cache, outcomes, time.perf_counter() - begin)
+    present(done, _text(done, outcomes), as_json)
+    if done.failed:
+        raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+def _document(folder: Path, outcomes: Sequence[Outcome], elapsed_s: float) -> Simulation:
     failed = sum(outcome.verdict == "failed" for outcome in outcomes)
     found = sum(outcome.found for outcome in outcomes)
-    if failed:
-        rest = " The others are kept." if failed < len(outcomes) else ""
-        typer.echo(f"{failed} of {len(outcomes)} reactions failed.{rest}")
-        raise typer.Exit(ExitCode.FAILED_PARTS)
-    made = "nothing to simulate" if found == len(outcomes) else f"{len(outcomes) - found} simulated"
-    typer.echo(
-        f"{cache}: {len(outcomes)} reactions, {found} found in the cache, {made} ({time.perf_counter() - begin:.1f} s)."
+    return Simulation(
+        folder=folder,
+        reactions=[_reaction(outcome) for outcome in outcomes],
+        found=found,
+        simulated=len(outcomes) - found - failed,
+        failed=failed,
+        elapsed_s=elapsed_s,
     )
+
+
+def _reaction(outcome: Outcome) -> SimulatedReaction:
+    quality = outcome.quality
+    return SimulatedReaction(
+        name=str(outcome.name),
+        digest=outcome.digest,
+        verdict=outcome.verdict,
+        found=outcome.found,
+        failure=outcome.failure,
+        degradation=quality.degradation() if quality and outcome.verdict == "degraded" else "",
+        hand_error_m=quality.work_hand_error_m if quality else None,
+        largest_load_share=quality.largest_load_share if quality else None,
+        largest_load_joint=quality.largest_load_joint if quality else None,
+    )
+
+
+def _text(done: Simulation, outcomes: Sequence[Outcome]) -> str:
+    lines = [f"  {outcome.name!s:<32} {_words(outcome)}" for outcome in outcomes]
+    if done.failed:
+        rest = " The others are kept." if done.failed < len(outcomes) else ""
+        lines.append(f"{done.failed} of {len(outcomes)} reactions failed.{rest}")
+    else:
+        made = f"{done.simulated} simulated" if done.simulated else "nothing to simulate"
+        lines.append(
+            f"{done.folder}: {len(outcomes)} reactions, {done.found} found in the cache, {made} "
+            f"({done.elapsed_s:.1f} s)."
+        )
+    return "\n".join(lines)
 
 
 def _words(outcome: Outcome) -> str:

@@ -1,18 +1,19 @@
-"""`fatplan validate` and `fatplan schema`: what a file of settings says, and what it may say."""
+"""`fatplan validate`: whether a file of settings says what it may."""
 
-import json
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.errors import ExperimentError
-from fatigue_planner.experiment.editor_schema import editor_schema
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.cli.documents import Fault, Validation
+from fatigue_planner.cli.output import Json, present
+from fatigue_planner.errors import ExperimentError, FatplanError
 from fatigue_planner.reports.html.words import counted
 from fatigue_planner.yaml_reader import read_yaml
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
 
 
 class Kind(StrEnum):
@@ -32,43 +33,41 @@ def kind_of(content: Any) -> Kind:
 
 def validate(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An experiment, a file of claims, or a study (YAML).")],
+    as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without doing anything: all faults are told at once."""
-    kind = kind_of(read_yaml(file, ExperimentError))
+    kind = None
+    try:
+        kind = kind_of(read_yaml(file, ExperimentError))
+        about = _about(file, kind)
+    except FatplanError as error:
+        if not as_json:
+            raise
+        faults = [Fault(line.removeprefix(f"{file}: ")) for line in str(error).splitlines()]
+        present(Validation(file, kind, False, faults, ""), "", as_json)
+        typer.echo(f"Error: {error}", err=True)
+        raise typer.Exit(error.exit_code) from error
+    present(Validation(file, kind, True, (), about), f"{file}: ok; {about}.", as_json)
+
+
+def _about(file: Path, kind: Kind) -> str:
+    """What a file is about. What reads it is loaded when its kind is known; raises what that raises."""
     if kind is Kind.CLAIMS:
         from fatigue_planner.claims.loader import load_claims  # noqa: PLC0415
 
         loaded = load_claims(file)
-        typer.echo(f"{file}: ok; {len(loaded.claims)} claims about {loaded.experiment_file}.")
-    elif kind is Kind.STUDY:
+        return f"{len(loaded.claims)} claims about {loaded.experiment_file}"
+    if kind is Kind.STUDY:
         from fatigue_planner.sensitivity.study import load_study  # noqa: PLC0415
 
         study = load_study(file)
-        typer.echo(f"{file}: ok; a study of {len(study.settings.factors)} settings of {study.base_file}.")
-    else:
-        typer.echo(f"{file}: ok; {_size(load_experiment(file))}.")
+        return f"a study of {len(study.settings.factors)} settings of {study.base_file}"
+    from fatigue_planner.experiment.loader import load_experiment  # noqa: PLC0415
+
+    return _size(load_experiment(file))
 
 
-def schema(
-    kind: Annotated[Kind, typer.Argument(help="Of which kind of file.")] = Kind.EXPERIMENT,
-) -> None:
-    """Print the JSON Schema of a kind of file, for editors that complete and check YAML while one types."""
-    typer.echo(json.dumps(editor_schema(_settings_of(kind)), indent=1))
-
-
-def _settings_of(kind: Kind) -> Any:
-    if kind is Kind.CLAIMS:
-        from fatigue_planner.claims.schema import ClaimsFile  # noqa: PLC0415
-
-        return ClaimsFile
-    if kind is Kind.STUDY:
-        from fatigue_planner.sensitivity.settings import StudySettings  # noqa: PLC0415
-
-        return StudySettings
-    return Experiment
-
-
-def _size(experiment: Experiment) -> str:
+def _size(experiment: "Experiment") -> str:
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)
     cells = len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)

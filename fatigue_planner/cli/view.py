@@ -15,8 +15,8 @@ from fatigue_planner.cli.options import (
     CacheFolder,
     ExperimentFile,
     command_line,
-    talk,
 )
+from fatigue_planner.cli.progress import talk
 from fatigue_planner.errors import SelectionError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests

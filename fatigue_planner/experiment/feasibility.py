@@ -1,5 +1,6 @@
 """What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,15 +15,20 @@ from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.loads import HandForce
 
+# Every place of a grid may be out of reach of every worker.
+MOST_REACH_FAULTS = 1000
+
 
 def meaning_faults(experiment: Experiment) -> list[str]:
     """Everything that cannot be, each with its key."""
-    return [
-        *_worker_faults(experiment),
-        *_belief_faults(experiment),
-        *(fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
-        *_reach_faults(experiment),
-    ]
+    return list(
+        itertools.chain(
+            _worker_faults(experiment),
+            _belief_faults(experiment),
+            (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
+            itertools.islice(_reach_faults(experiment), MOST_REACH_FAULTS),
+        )
+    )
 
 
 def _worker_faults(experiment: Experiment) -> Iterator[str]:

@@ -2,24 +2,27 @@
 
 import itertools
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from pydantic import Field, ValidationError
 
-from fatigue_planner.errors import ExperimentError
-from fatigue_planner.experiment.schema import LONGEST_NAME
-from fatigue_planner.settings import Settings
+from fatigue_planner.errors import shortened
+from fatigue_planner.experiment.faults import dotted, fault_lines
+from fatigue_planner.experiment.schema import MOST_ACTIONS
+from fatigue_planner.settings import LONGEST_NAME, Settings
 
 HANDS = ("right_hand", "left_hand")
-MOST_PLACES = 10_000
+AXES = ("x", "y", "z")
+FARTHEST_M = 3.0
 
 
 class Range(Settings):
     """`count` evenly spaced coordinates in m, both ends among them."""
 
-    first: float = Field(alias="from")
-    last: float = Field(alias="to")
+    first: float = Field(alias="from", ge=-FARTHEST_M, le=FARTHEST_M)
+    last: float = Field(alias="to", ge=-FARTHEST_M, le=FARTHEST_M)
     count: int = Field(ge=2, le=1000)
 
     def values(self) -> list[float]:
@@ -27,42 +30,51 @@ class Range(Settings):
         return [round(float(value), 5) + 0.0 for value in np.linspace(self.first, self.last, self.count)]
 
 
-def expand_grids(content: dict[str, Any]) -> dict[str, Any]:
-    """The content of an experiment file with every grid of actions written out.
+def expand_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The content of an experiment file with every grid of actions written out, and what is wrong with grids.
 
     Where a coordinate of a hand's position_m is a range {from, to, count}, the action becomes one action
     per value, named after it: shelf_x0.4_z1.2 (m for minus). Ranges of the same axis in both hands must have the same
-    count: the hands move over the grid together. Raises ExperimentError for a faulty range.
+    count: the hands move over the grid together. A faulty grid is left as it is.
     """
     actions = content.get("actions")
     if not isinstance(actions, dict):
-        return content
+        return content, []
     expanded: dict[str, Any] = {}
+    faults: list[str] = []
     for name, action in actions.items():
-        for full_name, single in _expand(f"actions.{name}", name, action):
+        try:
+            singles = _expand(name, action, MOST_ACTIONS - len(expanded))
+        except _GridError as error:
+            faults += error.args
+            singles = [(name, action)]
+        for full_name, single in singles:
             if full_name in expanded:
-                raise ExperimentError(f"actions.{name}: its grid makes {full_name}, a name that stands twice.")
+                faults.append(f"{dotted(['actions', name])}: its grid makes {full_name}, a name that stands twice.")
+                break
             expanded[full_name] = single
-    return content | {"actions": expanded}
+    return content | {"actions": expanded}, faults
 
 
-def _expand(key: str, name: str, action: Any) -> list[tuple[str, Any]]:
+class _GridError(Exception):
+    """The faults of one action's grid."""
+
+
+def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
+    """The actions of a grid by name, `room` at most; of any other action itself. Raises _GridError."""
     axes: dict[str, dict[str, list[float]]] = {}  # axis -> hand -> values
-    if isinstance(action, dict):
-        for hand in HANDS:
-            goal = action.get(hand)
-            position = goal.get("position_m") if isinstance(goal, dict) else None
-            for axis, value in position.items() if isinstance(position, dict) else ():
-                if isinstance(value, dict):
-                    axes.setdefault(axis, {})[hand] = _range(f"{key}.{hand}.position_m.{axis}", value).values()
+    for hand, axis, value in _ranges(action):
+        key = dotted(["actions", name, hand, "position_m", axis])
+        axes.setdefault(axis, {})[hand] = _range(key, value).values()
     if not axes:
         return [(name, action)]
+    key = dotted(["actions", name])
     for axis, hands in axes.items():
         if len({len(values) for values in hands.values()}) > 1:
-            raise ExperimentError(f"{key}: the ranges of {axis} of both hands must have the same count.")
+            raise _GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
     counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
-    if (size := math.prod(map(len, counts))) > MOST_PLACES:
-        raise ExperimentError(f"{key}: its grid has {size} places; at most {MOST_PLACES} are allowed.")
+    if (size := math.prod(map(len, counts))) > room:
+        raise _GridError(f"{key}: its grid has {size} places; at most {MOST_ACTIONS} actions are allowed in all.")
     singles = []
     for places in itertools.product(*counts):
         single = dict(action)
@@ -73,15 +85,24 @@ def _expand(key: str, name: str, action: Any) -> list[tuple[str, Any]]:
                 goal = single[hand]
                 single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[place]}}
         if len(label) > LONGEST_NAME:
-            raise ExperimentError(f"{key}: its grid makes names as long as {label}; choose a shorter name.")
+            raise _GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
         singles.append((label, single))
     return singles
+
+
+def _ranges(action: Any) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Hand, axis and value of every coordinate that is not a number but a mapping."""
+    for hand in HANDS if isinstance(action, dict) else ():
+        goal = action.get(hand)
+        position = goal.get("position_m") if isinstance(goal, dict) else None
+        for axis, value in position.items() if isinstance(position, dict) else ():
+            if axis in AXES and isinstance(value, dict):
+                yield hand, axis, value
 
 
 def _range(key: str, value: dict[str, Any]) -> Range:
     try:
         return Range.model_validate(value, strict=True)
     except ValidationError as error:
-        fault = error.errors()[0]
-        where = ".".join([key, *map(str, fault["loc"])])
-        raise ExperimentError(f"{where}: {fault['msg']}; a range is {{from: 0.3, to: 0.6, count: 5}}.") from error
+        example = "A range is {from: 0.3, to: 0.6, count: 5}."
+        raise _GridError(*(f"{line} {example}" for line in fault_lines(error, Range, key))) from error

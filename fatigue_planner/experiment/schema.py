@@ -1,25 +1,30 @@
 """The content of an experiment file."""
 
 import math
+from collections.abc import Collection, Iterator
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, StringConstraints, model_validator
+from pydantic import Field, model_validator
 
+from fatigue_planner.errors import listed
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.settings import Accuracy, Controller, Cycle
+from fatigue_planner.motion.settings import MOST_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
-from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
-from fatigue_planner.settings import Settings
+from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
+from fatigue_planner.settings import Name, Seed, Settings
 from fatigue_planner.statistics.settings import StatisticsSettings
 
-LONGEST_NAME = 40
-Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST_NAME - 1}}}$")]
+# What can be checked in half a second and named in one table.
+MOST_ACTIONS = 10_000
+MOST_REACTIONS = 100_000
+MOST_CELLS = 100_000
+
 Level = Annotated[float, Field(ge=0, le=1)]
 
 # Names of the files a results folder holds besides the figures of the returns.
@@ -54,11 +59,11 @@ class Condition(Settings):
 class Benchmark(Settings):
     """The grid of runs (paper, section IV-E)."""
 
-    conditions: dict[Name, Condition] = Field(min_length=1)
-    policies: dict[Name, PolicySettings] = Field(min_length=1)
-    n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1)
+    conditions: dict[Name, Condition] = Field(min_length=1, max_length=1000)
+    policies: dict[Name, PolicySettings] = Field(min_length=1, max_length=1000)
+    n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1, max_length=1000)
     trials: int = Field(ge=1, le=1_000_000)
-    seed: int = Field(ge=0)
+    seed: Seed
     # What `--regret` measures decisions against; left out, the deepest affordable lookahead.
     reference: ReferenceSettings | None = None
 
@@ -67,17 +72,19 @@ class Experiment(Settings):
     """Everything that defines an experiment."""
 
     name: Name
-    workers: dict[Name, Worker] = Field(min_length=1)
+    workers: dict[Name, Worker] = Field(min_length=1, max_length=50)
     tool: Tool
     cycle: Cycle
-    actions: dict[Name, Action] = Field(min_length=1)
-    preferences: dict[Name, Preference] = Field(min_length=1)
+    actions: dict[Name, Action] = Field(min_length=1, max_length=MOST_ACTIONS)
+    preferences: dict[Name, Preference] = Field(min_length=1, max_length=100)
     controller: Controller
     accuracy: Accuracy
     fatigue: FatigueSettings
     discount: float = Field(ge=0, le=1)
-    initial_beliefs: dict[Name, tuple[InitialState, ...]] = Field(min_length=1)
-    hidden_workers: dict[Name, HiddenWorker] = Field(default_factory=dict)
+    initial_beliefs: dict[Name, Annotated[tuple[InitialState, ...], Field(max_length=1000)]] = Field(
+        min_length=1, max_length=1000
+    )
+    hidden_workers: dict[Name, HiddenWorker] = Field(default_factory=dict, max_length=1000)
     # P(o | u): preference -> recognised as -> probability; left out, a reaction is always recognised.
     recognition: dict[Name, dict[Name, Level]] | None = None
     # How beliefs are kept; left out, the exact set where it stays finite, else particles.
@@ -85,110 +92,116 @@ class Experiment(Settings):
     benchmark: Benchmark
     statistics: StatisticsSettings
     # Figures of the returns: name -> conditions, one row of panels each.
-    figures: dict[Name, tuple[Name, ...]]
+    figures: dict[Name, tuple[Name, ...]] = Field(max_length=1000)
 
     @model_validator(mode="after")
-    def _check_names(self) -> Self:
-        for name, states in self.initial_beliefs.items():
-            total = sum(state.probability for state in states)
-            if abs(total - 1) > 1e-9:
-                raise ValueError(f"initial_beliefs.{name}: probabilities sum to {total:g}, not to 1")
-        for name, condition in self.benchmark.conditions.items():
-            if condition.worker is None and len(self.workers) > 1:
-                raise ValueError(f"benchmark.conditions.{name}.worker: is missing; choose one of {self._workers()}")
-            if condition.worker is not None and condition.worker not in self.workers:
-                raise ValueError(
-                    f"benchmark.conditions.{name}.worker: {condition.worker!r} is not one of {self._workers()}"
-                )
-            self._check_worker(f"benchmark.conditions.{name}", condition)
-            if condition.initial_belief not in self.initial_beliefs:
-                raise ValueError(
-                    f"benchmark.conditions.{name}.initial_belief: {condition.initial_belief!r} is not one of "
-                    f"{', '.join(self.initial_beliefs)}"
-                )
-        repeated = [n for n in self.benchmark.n_cycles if self.benchmark.n_cycles.count(n) > 1]
-        if repeated:
-            raise ValueError(f"benchmark.n_cycles: {repeated[0]} stands twice")
-        self._check_families()
-        for name, conditions in self.figures.items():
-            if name.startswith(RESERVED):
-                raise ValueError(f"figures.{name}: begins like another file's name; taken are {', '.join(RESERVED)}")
-            unknown = [condition for condition in conditions if condition not in self.benchmark.conditions]
-            if unknown or not conditions:
-                raise ValueError(
-                    f"figures.{name}: {', '.join(unknown) or 'no condition'}; known conditions: "
-                    f"{', '.join(self.benchmark.conditions)}"
-                )
+    def _check_across(self) -> Self:
+        """What one part says of another; all faults, one per line."""
+        faults = [
+            *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._family_faults(),
+            *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(),
+        ]  # fmt: skip
+        if faults:
+            raise ValueError("\n".join(faults))
         return self
 
-    def _check_families(self) -> None:
+    def _size_faults(self) -> Iterator[str]:
+        reactions = len(self.workers) * len(self.actions) * len(self.preferences)
+        if reactions > MOST_REACTIONS:
+            yield f"actions: with all workers and preferences {reactions} reactions; at most {MOST_REACTIONS}"
         grid = self.benchmark
-        for name, family in self.statistics.families.items():
-            for key, known in (
-                ("policies", grid.policies), ("against", grid.policies),
-                ("conditions", grid.conditions), ("n_cycles", grid.n_cycles),
-            ):  # fmt: skip
-                unknown = [str(item) for item in getattr(family, key) or () if item not in known]
-                if unknown:
-                    raise ValueError(
-                        f"statistics.families.{name}.{key}: {', '.join(unknown)}; known are "
-                        f"{', '.join(map(str, known))}"
-                    )
+        if (size := len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)) > MOST_CELLS:
+            yield f"benchmark: {size} combinations of conditions, n_cycles and policies; at most {MOST_CELLS}"
+        yield from _repeated("benchmark.n_cycles", grid.n_cycles)
+        if (ticks := self.cycle.duration_s / self.controller.time_step_s) > MOST_TICKS:
+            yield (
+                f"controller.time_step_s = {self.controller.time_step_s:g}: a cycle of {self.cycle.duration_s:g} s has "
+                f"{ticks:.0f} of them; at most {MOST_TICKS}"
+            )
 
-    def _check_worker(self, key: str, condition: Condition) -> None:
+    def _initial_faults(self) -> Iterator[str]:
+        for name, states in self.initial_beliefs.items():
+            yield from _not_one(f"initial_beliefs.{name}", [state.probability for state in states])
+
+    def _condition_faults(self) -> Iterator[str]:
+        for name, condition in self.benchmark.conditions.items():
+            key = f"benchmark.conditions.{name}"
+            if condition.worker is None and len(self.workers) > 1:
+                yield f"{key}.worker: is missing; choose one of {listed(self.workers)}"
+            if condition.worker is not None and condition.worker not in self.workers:
+                yield f"{key}.worker: {condition.worker!r} is not one of {listed(self.workers)}"
+            yield from self._hidden_faults(key, condition)
+            if condition.initial_belief not in self.initial_beliefs:
+                yield f"{key}.initial_belief: {condition.initial_belief!r} is not one of {listed(self.initial_beliefs)}"
+
+    def _hidden_faults(self, key: str, condition: Condition) -> Iterator[str]:
         hidden = HiddenWorker()
         if condition.hidden_worker is not None:
             if condition.hidden_worker not in self.hidden_workers:
-                raise ValueError(
-                    f"{key}.hidden_worker: {condition.hidden_worker!r} is not one of "
-                    f"{', '.join(self.hidden_workers) or 'none: there are no hidden_workers'}"
-                )
+                known = listed(self.hidden_workers) or "none: there are no hidden_workers"
+                yield f"{key}.hidden_worker: {condition.hidden_worker!r} is not one of {known}"
+                return
             hidden = self.hidden_workers[condition.hidden_worker]
         if condition.expertise is None and hidden.expertise is None:
-            raise ValueError(f"{key}.expertise: is missing")
+            yield f"{key}.expertise: is missing"
         if condition.expertise is not None and hidden.expertise is not None:
-            raise ValueError(f"{key}.expertise: hidden_workers.{condition.hidden_worker} already gives one")
+            yield f"{key}.expertise: hidden_workers.{condition.hidden_worker} already gives one"
 
-    @model_validator(mode="after")
-    def _check_leaf_values(self) -> Self:
+    def _family_faults(self) -> Iterator[str]:
+        grid = self.benchmark
+        known: dict[str, Collection[object]] = {
+            "policies": grid.policies, "against": grid.policies, "conditions": grid.conditions,
+            "n_cycles": grid.n_cycles,
+        }  # fmt: skip
+        for name, family in self.statistics.families.items():
+            for key, there in known.items():
+                items = getattr(family, key) or ()
+                place = f"statistics.families.{name}.{key}"
+                if unknown := [item for item in items if item not in there]:
+                    yield f"{place}: {listed(unknown)}; known are {listed(there)}"
+                yield from _repeated(place, items)
+
+    def _figure_faults(self) -> Iterator[str]:
+        known = self.benchmark.conditions
+        for name, conditions in self.figures.items():
+            if name.startswith(RESERVED):
+                yield f"figures.{name}: begins like another file's name; taken are {', '.join(RESERVED)}"
+            unknown = [condition for condition in conditions if condition not in known]
+            if unknown or not conditions:
+                yield f"figures.{name}: {listed(unknown) or 'no condition'}; known conditions: {listed(known)}"
+            yield from _repeated(f"figures.{name}", conditions)
+
+    def _leaf_value_faults(self) -> Iterator[str]:
         named = {f"policies.{name}": policy for name, policy in self.benchmark.policies.items()}
         reference = self.benchmark.reference
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
-                raise ValueError(
-                    f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
-                )
+                yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
         certain = all(one.expertise == float("inf") for one in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
-            raise ValueError(
-                "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
-            )
-        return self
+            yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
 
-    @model_validator(mode="after")
-    def _check_recognition(self) -> Self:
+    def _recognition_faults(self) -> Iterator[str]:
         if self.recognition is None:
-            return self
+            return
         if set(self.recognition) != set(self.preferences):
-            raise ValueError(f"recognition: needs a line for each of {', '.join(self.preferences)}, and no other")
+            yield f"recognition: needs a line for each of {listed(self.preferences)}, and no other"
         for name, line in self.recognition.items():
-            if abs(sum(line.values()) - 1) > 1e-9:
-                raise ValueError(f"recognition.{name}: probabilities sum to {sum(line.values()):g}, not to 1")
-        return self
+            yield from _not_one(f"recognition.{name}", line.values())
 
-    @model_validator(mode="after")
-    def _check_belief(self) -> Self:
-        if self.belief is not None and self.belief.kind == "exact":
-            if self.recognition_errs():
-                raise ValueError("belief.kind: exact needs reactions recognised without error; use particles")
-            for name, hidden in self.hidden_workers.items():
-                size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
-                if size > MOST_EXACT:
-                    raise ValueError(
-                        f"belief.kind: exact can hold {MOST_EXACT} workers, in hidden_workers.{name} there are "
-                        f"{'infinitely many' if math.isinf(size) else size}; use particles"
-                    )
-        return self
+    def _belief_faults(self) -> Iterator[str]:
+        if self.belief is None or self.belief.kind != "exact":
+            return
+        if self.recognition_errs():
+            yield "belief.kind: exact needs reactions recognised without error; use particles"
+        for name, hidden in self.hidden_workers.items():
+            size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
+            if size > MOST_EXACT:
+                there = "infinitely many" if math.isinf(size) else size
+                yield (
+                    f"belief.kind: exact can hold {MOST_EXACT} workers, in hidden_workers.{name} there are {there}; "
+                    "use particles"
+                )
 
     def recognition_errs(self) -> bool:
         """Whether a reaction may be taken for another one."""
@@ -203,9 +216,22 @@ class Experiment(Settings):
         rows = [[self.recognition[preference].get(name, 0.0) for name in names] for preference in self.preferences]
         return names, np.array(rows)
 
-    def _workers(self) -> str:
-        return ", ".join(self.workers)
-
     def worker_of(self, condition: Condition) -> str:
         """The name of a condition's worker."""
         return condition.worker or next(iter(self.workers))
+
+
+def _repeated(key: str, items: Collection[object]) -> Iterator[str]:
+    """A fault for the first item that stands twice."""
+    seen: set[object] = set()
+    for item in items:
+        if item in seen:
+            yield f"{key}: {item} stands twice"
+            return
+        seen.add(item)
+
+
+def _not_one(key: str, probabilities: Collection[float]) -> Iterator[str]:
+    """A fault unless the probabilities sum to 1."""
+    if abs((total := sum(probabilities)) - 1) > ROUNDING:
+        yield f"{key}: probabilities sum to {total:.12g}, not to 1"

@@ -1,6 +1,7 @@
 """Parameters of the fatigue model (paper, sections III-B and IV-B)."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,15 @@ DIRECTIONS = ("positive", "negative")
 ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
 
 
+# In 1/s: nobody tires or recovers in a hundredth of a second.
+Rate = Annotated[float, Field(gt=0, le=100)]
+
+
 class JointFatigue(Settings):
     """What is different at a joint from the rates and threshold of all."""
 
-    fatigue_rate_per_s: float | None = Field(default=None, gt=0)
-    recovery_rate_per_s: float | None = Field(default=None, gt=0)
+    fatigue_rate_per_s: Rate | None = None
+    recovery_rate_per_s: Rate | None = None
     threshold: float | None = Field(default=None, ge=0, lt=1)
 
 
@@ -33,8 +38,8 @@ class FatigueSettings(Settings):
     Where two names mean the same entry, the later one holds.
     """
 
-    fatigue_rate_per_s: float = Field(gt=0)
-    recovery_rate_per_s: float = Field(gt=0)
+    fatigue_rate_per_s: Rate
+    recovery_rate_per_s: Rate
     threshold: float = Field(ge=0, lt=1)
     joints: dict[str, JointFatigue] = Field(default_factory=dict)
 

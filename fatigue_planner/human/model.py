@@ -12,6 +12,7 @@ from fatigue_planner.errors import DataFileError
 from fatigue_planner.human.anthropometry import Anthropometry, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
+from fatigue_planner.human.strength_sets import LONGEST_PATH
 from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
@@ -32,7 +33,7 @@ class Worker(Settings):
     height_m: float = Field(ge=1.4, le=2.1)
     mass_kg: float = Field(ge=40, le=150)
     sex: Sex
-    strength: str
+    strength: str = Field(min_length=1, max_length=LONGEST_PATH)
     natural_posture_deg: dict[str, float]
 
 

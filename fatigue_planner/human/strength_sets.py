@@ -12,9 +12,12 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
 from fatigue_planner.settings import Settings
 
 STRENGTHS = DATA / "strengths"
+LONGEST_PATH = 1000
+# Of files that are based on each other.
+LONGEST_CHAIN = 10
 
 Direction = Literal["positive", "negative"]
-Torque = Annotated[float, Field(gt=0)]
+Torque = Annotated[float, Field(gt=0, le=10_000)]
 Entry = tuple[str, Direction]
 
 
@@ -41,7 +44,7 @@ class StrengthFile(Settings):
     """
 
     population: str
-    based_on: str | None = None
+    based_on: Annotated[str, Field(max_length=LONGEST_PATH)] | None = None
     degrees_of_freedom: dict[str, Strength]
 
 
@@ -81,7 +84,11 @@ def _find(name: str, folder: Path, what: str) -> Path:
     if name in shipped_sets():
         return STRENGTHS / f"{name}.yaml"
     path = folder / name
-    if not path.exists():
+    try:
+        found = path.exists()
+    except OSError:  # the system takes no such name
+        found = False
+    if not found:
         shipped = ", ".join(shipped_sets())
         raise DataFileError(f"{what} {name!r}: neither one of {shipped} nor a file ({path.absolute()}).")
     return path
@@ -93,6 +100,8 @@ def _load(path: Path, above: tuple[Path, ...]) -> StrengthSet:
     if this in above:
         circle = " -> ".join(file.name for file in (*above[above.index(this) :], this))
         raise DataFileError(f"{path}: based_on goes round in a circle: {circle}.")
+    if len(above) >= LONGEST_CHAIN:
+        raise DataFileError(f"{path}: based_on: more than {LONGEST_CHAIN} files build on each other.")
     content = load_data(path, StrengthFile)
     entries: dict[Entry, StrengthEntry] = {}
     if content.based_on is not None:

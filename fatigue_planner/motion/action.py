@@ -7,6 +7,7 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field, model_validator
 
+from fatigue_planner.errors import shortened
 from fatigue_planner.motion.loads import Load
 from fatigue_planner.motion.minimum_jerk import Matrix, Pose, Vector
 from fatigue_planner.motion.settings import Side
@@ -62,7 +63,7 @@ class HandGoal(Settings):
 
     position_m: Position | None = None
     orientation_deg: Orientation | None = None
-    waypoints: tuple[Waypoint, ...] = ()
+    waypoints: tuple[Waypoint, ...] = Field(default=(), max_length=1000)
 
     @model_validator(mode="after")
     def _check_path(self) -> Self:
@@ -74,7 +75,8 @@ class HandGoal(Settings):
             times = [point.work_time_s for point in self.waypoints]
             if times[0] != 0 or any(b - a < 0.1 for a, b in itertools.pairwise(times)):
                 raise ValueError(
-                    f"waypoints: work_time_s = {times}; they start at 0 and follow each other by 0.1 s at least"
+                    f"waypoints: work_time_s = {shortened(times)}; they start at 0 and follow each other by 0.1 s at "
+                    "least"
                 )
             if len({point.orientation_deg is None for point in self.waypoints}) > 1:
                 raise ValueError("waypoints: give orientation_deg to all of them or to none")
@@ -96,7 +98,7 @@ class Action(Settings):
 
     right_hand: HandGoal | None = None
     left_hand: HandGoal | None = None
-    loads: tuple[Annotated[Load, Field(discriminator="kind")], ...] = ()
+    loads: tuple[Annotated[Load, Field(discriminator="kind")], ...] = Field(default=(), max_length=50)
 
     @model_validator(mode="after")
     def _check_hands(self) -> Self:

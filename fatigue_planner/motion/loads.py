@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from fatigue_planner.errors import shortened
 from fatigue_planner.motion.settings import PHASES, PhaseName, Side
 from fatigue_planner.settings import Settings
 
@@ -40,13 +41,13 @@ class HandForce(Settings):
     kind: Literal["force"]
     hand: Side
     frame: Literal["world", "hand"]
-    force_n: tuple[TimedForce, ...] = Field(min_length=1)
+    force_n: tuple[TimedForce, ...] = Field(min_length=1, max_length=5000)
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:
         times = [force.cycle_time_s for force in self.force_n]
         if any(b <= a for a, b in itertools.pairwise(times)):
-            raise ValueError(f"force_n: cycle_time_s = {times}; the times must increase")
+            raise ValueError(f"force_n: cycle_time_s = {shortened(times)}; the times must increase")
         return self
 
     def at(self, times_s: Vector) -> Vector:

@@ -41,7 +41,7 @@ class PomcpSettings(PolicySettingsBase):
 
     kind: Literal["pomcp"]
     backup: BackupName
-    exploration_constant: float = Field(ge=0)
+    exploration_constant: float = Field(ge=0, le=1e9)
     exploration: ExplorationName = "fixed"
     leaf_value: LeafValueName = "none"
     rollout_cycles: int = Field(default=20, ge=1, le=10_000)

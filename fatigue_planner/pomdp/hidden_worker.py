@@ -21,15 +21,15 @@ class Choice(Settings):
     """One of some values."""
 
     kind: Literal["choice"]
-    values: tuple[Annotated[float, Field(ge=0, allow_inf_nan=True)], ...] = Field(min_length=1)
-    probabilities: tuple[Annotated[float, Field(gt=0, le=1)], ...] = Field(min_length=1)
+    values: tuple[Annotated[float, Field(ge=0, allow_inf_nan=True)], ...] = Field(min_length=1, max_length=1000)
+    probabilities: tuple[Annotated[float, Field(gt=0, le=1)], ...] = Field(min_length=1, max_length=1000)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if len(self.values) != len(self.probabilities):
             raise ValueError(f"{len(self.values)} values, but {len(self.probabilities)} probabilities")
         if abs(sum(self.probabilities) - 1) > ROUNDING:
-            raise ValueError(f"probabilities sum to {sum(self.probabilities):g}, not to 1")
+            raise ValueError(f"probabilities sum to {sum(self.probabilities):.12g}, not to 1")
         return self
 
     def quantile(self, uniform: Vector) -> Vector:
@@ -48,7 +48,7 @@ class LogNormal(Settings):
     """A positive value whose logarithm is normal with standard deviation `sigma`."""
 
     kind: Literal["lognormal"]
-    median: float = Field(gt=0)
+    median: float = Field(gt=0, le=1e9)
     sigma: float = Field(gt=0, le=10)
 
     def quantile(self, uniform: Vector) -> Vector:
@@ -66,8 +66,8 @@ class Uniform(Settings):
     """Any value between two."""
 
     kind: Literal["uniform"]
-    first: float = Field(alias="from", ge=0)
-    last: float = Field(alias="to", ge=0)
+    first: float = Field(alias="from", ge=0, le=1e9)
+    last: float = Field(alias="to", ge=0, le=1e9)
 
     @model_validator(mode="after")
     def _check(self) -> Self:

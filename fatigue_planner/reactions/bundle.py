@@ -14,8 +14,8 @@ from fatigue_planner.errors import BundleError, DamagedFileError, OtherVersionEr
 from fatigue_planner.files import publish, publish_bytes, writable_folder
 from fatigue_planner.reactions.audit import faults_of
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.entry import MOST_BYTES, read_entry
-from fatigue_planner.reactions.reaction import file_name
+from fatigue_planner.reactions.entry import MOST_BYTES, entry_bytes, read_entry
+from fatigue_planner.reactions.reaction import ReactionRequest, file_name
 
 MOST_ENTRIES = 100_000
 # The same bytes whenever and wherever it is made.
@@ -36,15 +36,21 @@ class Imported:
     refused: str = ""
 
 
-def export_bundle(files: Sequence[Path], bundle: Path) -> None:
-    """Publish a bundle of entries. Raises OutputFolderError if it cannot be written."""
+def export_bundle(cache: ReactionCache, requests: Sequence[ReactionRequest], bundle: Path, how: str) -> int:
+    """Publish a bundle of reactions, every one read and checked before; how many there are in it.
+
+    Raises as `ReactionCache.stream`, or OutputFolderError if the bundle cannot be written.
+    """
+    unique = sorted({one.digest: one for one in requests}.values(), key=lambda one: one.name)
 
     def write(temporary: Path) -> None:
         with zipfile.ZipFile(temporary, "w") as archive:
-            for file in sorted(files):
-                archive.writestr(zipfile.ZipInfo(file.name, _EPOCH), file.read_bytes())
+            for reaction in cache.stream(unique, how):
+                name = file_name(reaction.name, reaction.digest)
+                archive.writestr(zipfile.ZipInfo(name, _EPOCH), entry_bytes(reaction))
 
     publish(bundle, write)
+    return len(unique)
 
 
 def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:

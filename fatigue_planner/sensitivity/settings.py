@@ -4,10 +4,12 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from fatigue_planner.experiment.schema import Name
 from fatigue_planner.planners.settings import PolicySettings
 from fatigue_planner.sensitivity.factors.registry import AnyFactor
-from fatigue_planner.settings import Settings
+from fatigue_planner.settings import Name, Seed, Settings
+
+# Every level of every factor is checked before anything is run.
+MOST_FACTORS = 50
 
 
 class Grid(Settings):
@@ -33,7 +35,7 @@ class SpaceFilling(Settings):
     """All factors at once: a scrambled Sobol sequence, which is even only in powers of two."""
 
     points: int = Field(ge=2, le=65_536)
-    seed: int = Field(ge=0)
+    seed: Seed
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
@@ -50,11 +52,11 @@ class StudySettings(Settings):
     """
 
     name: Name
-    base: str
+    base: str = Field(min_length=1, max_length=1000)
     grid: Grid
     planners: tuple[Name, ...] = Field(min_length=1)
     baselines: tuple[Name, ...] = Field(min_length=1)
     headline: Headline
     space_filling: SpaceFilling
-    claims: str | None = None
-    factors: dict[Name, AnyFactor] = Field(min_length=1)
+    claims: str | None = Field(default=None, min_length=1, max_length=1000)
+    factors: dict[Name, AnyFactor] = Field(min_length=1, max_length=MOST_FACTORS)

@@ -9,8 +9,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from fatigue_planner.claims.loader import Claims, load_claims
-from fatigue_planner.errors import ExperimentError
-from fatigue_planner.experiment.loader import Location, fault_text, parse_experiment, read_content
+from fatigue_planner.errors import ExperimentError, listed, shortened
+from fatigue_planner.experiment.faults import fault_text
+from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.sensitivity.factors.factor import Level
 from fatigue_planner.sensitivity.keys import KeyPath, find, overlap, value_at, with_value
@@ -20,6 +21,7 @@ from fatigue_planner.yaml_reader import read_yaml
 # What must be the same at all points, so that their results can be compared, or is not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
 FEWEST_TRIALS = 2
+MOST_REACTIONS = 500
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,11 @@ def load_study(path: Path) -> Study:
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
     base = parse_experiment(content, f"{path}: the grid on {base_file}")
+    if (reactions := len(base.workers) * len(base.actions) * len(base.preferences)) > MOST_REACTIONS:
+        raise ExperimentError(
+            f"{path}: base = {settings.base!r}: has {reactions} reactions, all of which change from point to point; "
+            f"at most {MOST_REACTIONS}."
+        )
     _check_names(path, settings, base)
     plain = base.plain()
     paths: dict[str, KeyPath] = {}
@@ -106,17 +113,7 @@ def _read_settings(path: Path) -> StudySettings:
     try:
         return StudySettings.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ExperimentError(fault_text(error, str(path), _place)) from error
-
-
-def _place(location: Location) -> str:
-    """The path of a key; behind an entry with a `kind` pydantic adds the kind, which the file has not."""
-    parts = [str(part) for part in location]
-    if parts[:1] == ["factors"]:
-        del parts[2:3]
-    if parts[:2] == ["grid", "further_policies"]:
-        del parts[3:4]
-    return ".".join(parts) or "the file"
+        raise ExperimentError(fault_text(error, StudySettings, str(path))) from error
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
@@ -168,9 +165,11 @@ def _check_names(path: Path, settings: StudySettings, base: Experiment) -> None:
 
 
 def _check_known(key: str, named: Any, known: Any) -> None:
-    unknown = [str(name) for name in named if name not in known]
+    unknown = [name for name in named if name not in known]
     if unknown:
-        raise ExperimentError(f"{key}: {', '.join(unknown)}; known are {', '.join(map(str, known))}.")
+        raise ExperimentError(f"{key}: {listed(unknown)}; known are {listed(known)}.")
+    if len(set(named)) < len(named):
+        raise ExperimentError(f"{key}: {listed(named)}: something stands twice.")
 
 
 def _check_levels(path: Path, study: Study) -> None:
@@ -181,9 +180,11 @@ def _check_levels(path: Path, study: Study) -> None:
             factor.base_level(study.base_values)
         except ExperimentError as error:
             raise ExperimentError(f"{where}.{error}") from error
-        levels = factor.all_levels()
-        for one, other in itertools.combinations(levels, 2):
-            if study.changed({name: one}) == study.changed({name: other}):
-                raise ExperimentError(f"{where}: its levels {one} and {other} are the same.")
-        for level in levels:
-            parse_experiment(study.changed({name: level}), f"{where} at {level}")
+        contents = {level: study.changed({name: level}) for level in factor.all_levels()}
+        if len(contents) < len(factor.all_levels()):
+            raise ExperimentError(f"{where}: its levels {listed(factor.all_levels())} are not all different.")
+        for (one, content), (other, another) in itertools.combinations(contents.items(), 2):
+            if content == another:
+                raise ExperimentError(f"{where}: its levels {shortened(one)} and {shortened(other)} are the same.")
+        for level, content in contents.items():
+            parse_experiment(content, f"{where} at {shortened(level)}")

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from fatigue_planner.settings import Settings
+from fatigue_planner.settings import Name, Settings
 
 POWER = 0.8  # of the smallest detectable difference: the usual one (Cohen 1988, section 2.4)
 
@@ -30,4 +30,4 @@ class StatisticsSettings(Settings):
     significance_level: float = Field(gt=0, lt=1)
     equivalence_margin: float = Field(default=0.01, gt=0, lt=1)
     resamples: int = Field(default=9999, ge=99, le=1_000_000)
-    families: dict[str, Family] = Field(default_factory=dict)
+    families: dict[Name, Family] = Field(default_factory=dict, max_length=1000)

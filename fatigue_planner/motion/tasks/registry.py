@@ -21,4 +21,4 @@ AnyTask = Annotated[
 class Preference(Settings):
     """A motion preference: tasks added to those every motion has."""
 
-    tasks: tuple[AnyTask, ...]
+    tasks: tuple[AnyTask, ...] = Field(max_length=50)

@@ -7,14 +7,14 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from fatigue_planner.errors import ExperimentError
-from fatigue_planner.sensitivity.factors.factor import BaseValues, FactorSettings, Level, Matrix
+from fatigue_planner.sensitivity.factors.factor import BaseValues, FactorSettings, Level, Matrix, listed_values
 
 
 class ChoiceSettings(FactorSettings):
     """Levels by name; all give values to the same keys, and one of them gives the experiment's own."""
 
     kind: Literal["choice"]
-    levels: dict[str, dict[str, Any]] = Field(min_length=2)
+    levels: dict[str, dict[str, Any]] = Field(min_length=2, max_length=20)
 
     @model_validator(mode="after")
     def _check_keys(self) -> Self:
@@ -35,7 +35,7 @@ class ChoiceSettings(FactorSettings):
         for name, values in self.levels.items():
             if all(base[key] == value for key, value in values.items()):
                 return name
-        own = ", ".join(f"{key}: {base[key]}" for key in self.changed_keys())
+        own = listed_values({key: base[key] for key in self.changed_keys()})
         raise ExperimentError(f"levels: none is the experiment's own ({own}).")
 
     def level_at(self, share: float) -> Level:

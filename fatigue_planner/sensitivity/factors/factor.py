@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from fatigue_planner.errors import shortened
 from fatigue_planner.settings import Settings
 
 Level = float | str
@@ -25,6 +26,11 @@ BaseValues = Mapping[str, Any]
 def level_text(level: Level) -> str:
     """A level as it is written: a number with as many digits as it needs."""
     return level if isinstance(level, str) else f"{level:.6g}"
+
+
+def listed_values(values: BaseValues) -> str:
+    """The experiment's own values as a message shows them."""
+    return ", ".join(f"{key} = {shortened(value)}" for key, value in values.items())
 
 
 class FactorSettings(Settings):

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from fatigue_planner.errors import ExperimentError
-from fatigue_planner.sensitivity.factors.factor import BaseValues, Level
+from fatigue_planner.sensitivity.factors.factor import BaseValues, Level, listed_values
 from fatigue_planner.sensitivity.factors.span import SpanSettings
 
 
@@ -19,12 +19,12 @@ class RangeSettings(SpanSettings):
         values = {key: base[key] for key in self.keys}
         number = next(iter(values.values()))
         if any(isinstance(value, bool) or not isinstance(value, int | float) for value in values.values()):
-            raise ExperimentError(f"keys: {_listed(values)}: a range is for numbers; use kind: choice.")
+            raise ExperimentError(f"keys: {listed_values(values)}: a range is for numbers; use kind: choice.")
         if len(set(values.values())) > 1:
-            raise ExperimentError(f"keys: {_listed(values)} are not the same in the experiment; use kind: scale.")
+            raise ExperimentError(f"keys: {listed_values(values)} are not the same in the experiment; use kind: scale.")
         if not self.first <= number <= self.last:
             raise ExperimentError(
-                f"from = {self.first:g}, to = {self.last:g}: the experiment's own {_listed(values)} is outside."
+                f"from = {self.first:g}, to = {self.last:g}: the experiment's own {listed_values(values)} is outside."
             )
         return float(number)
 
@@ -36,7 +36,3 @@ class RangeSettings(SpanSettings):
     def changes(self, level: Level, base: BaseValues) -> Mapping[str, Any]:
         """The level for every key."""
         return dict.fromkeys(self.keys, int(level) if self.integer else float(level))
-
-
-def _listed(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in values.items())

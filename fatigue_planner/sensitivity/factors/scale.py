@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from fatigue_planner.errors import ExperimentError
+from fatigue_planner.errors import ExperimentError, shortened
 from fatigue_planner.sensitivity.factors.factor import BaseValues, Level
 from fatigue_planner.sensitivity.factors.span import DIGITS, SpanSettings
 
@@ -17,7 +17,9 @@ class ScaleSettings(SpanSettings):
         """1: the values as they are."""
         for key in self.keys:
             if isinstance(base[key], bool) or not isinstance(base[key], int | float):
-                raise ExperimentError(f"keys: {key} = {base[key]}: only numbers can be multiplied; use kind: choice.")
+                raise ExperimentError(
+                    f"keys: {key} = {shortened(base[key])}: only numbers can be multiplied; use kind: choice."
+                )
         if not self.first <= 1 <= self.last:
             raise ExperimentError(f"from = {self.first:g}, to = {self.last:g}: 1, the experiment's own, is outside.")
         return 1.0

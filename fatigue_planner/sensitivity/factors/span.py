@@ -13,22 +13,24 @@ from fatigue_planner.sensitivity.factors.factor import FactorSettings, Level, Ma
 LEVELS = 4
 # Levels are rounded to so many significant digits.
 DIGITS = 4
+# Quotients and differences of levels stay far from where numbers end.
+LARGEST, SMALLEST = 1e12, 1e-12
 
 
 class SpanSettings(FactorSettings):
     """What factors whose levels are numbers have in common."""
 
-    keys: tuple[str, ...] = Field(min_length=1)
-    first: float = Field(alias="from")
-    last: float = Field(alias="to")
+    keys: tuple[str, ...] = Field(min_length=1, max_length=1000)
+    first: float = Field(alias="from", ge=-LARGEST, le=LARGEST)
+    last: float = Field(alias="to", ge=-LARGEST, le=LARGEST)
     scale: Literal["linear", "log"] = "linear"
 
     @model_validator(mode="after")
     def _check_span(self) -> Self:
         if self.first >= self.last:
             raise ValueError(f"from = {self.first:g} must be below to = {self.last:g}")
-        if self.scale == "log" and self.first <= 0:
-            raise ValueError(f"from = {self.first:g} must be above 0 on a log scale")
+        if self.scale == "log" and self.first < SMALLEST:
+            raise ValueError(f"from = {self.first:g} must be above 0 on a log scale, {SMALLEST:g} at least")
         return self
 
     def changed_keys(self) -> tuple[str, ...]:

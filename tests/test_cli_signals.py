@@ -1,0 +1,189 @@
+"""Ctrl-C and termination: once in good order, with what is kept and the command that goes on; twice at once."""
+
+import random
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from commands import FATPLAN, finished, listens, process
+from conftest import PAPER, ROOT
+
+SIGNALS = [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+ADVICE = re.compile(r"Stopped\. (?P<kept>.+) Go on with: (?P<command>fatplan .+)\n$")
+STOPPING = "Stopping after the work in progress (once more to stop at once) ...\n"
+TABLES = ("trials.csv", "actions.csv", "comparison.csv", "contrasts.csv", "summary.txt", "manifest.json", "regret.csv")
+
+
+def stopped(running: subprocess.Popen[str], number: int, code: int) -> str:
+    """Send one signal; what the process says that is kept. It says nothing else, and how to go on."""
+    running.send_signal(number)
+    out, err = running.communicate(timeout=120)
+    assert running.returncode == code, err
+    found = ADVICE.fullmatch(err.removeprefix(STOPPING))
+    assert found and out == "", err
+    assert shlex.split(found["command"]) == ["fatplan", *running.args[len(FATPLAN) :]]
+    return found["kept"]
+
+
+def wait_for(running: subprocess.Popen[str], folder: Path, pattern: str, count: int = 1) -> None:
+    while len(list(folder.glob(pattern))) < count:
+        assert running.poll() is None
+        time.sleep(0.01)
+
+
+def contents(results: Path) -> dict[str, bytes]:
+    return {name: next(results.glob(f"paper_*/{name}")).read_bytes() for name in TABLES}
+
+
+@pytest.mark.parametrize(("number", "code"), [SIGNALS[0], pytest.param(*SIGNALS[1], marks=pytest.mark.slow)])
+def test_a_benchmark_stops_in_every_stage_and_ends_in_the_same_bytes(
+    cache_folder: Path, tmp_path: Path, number: int, code: int
+) -> None:
+    """While it loads, while it runs, while it judges, while it publishes; each time the same command goes on."""
+    grid = ["--cycles", "20", "--conditions", "single_novice", "--policies", "greedy", "--policies", "alternating"]
+    few = [*grid, "--trials", "40", "--jobs", "1", "--regret"]
+    results = tmp_path / "my results"
+    command = ["benchmark", PAPER, "--cache", cache_folder, *few, "--results", results]
+    parts = results / "paper" / "parts"
+
+    running = process(*command)
+    assert listens(running)
+    assert stopped(running, number, code) == "What is finished is kept."
+    assert not results.exists()
+
+    running = process(*command)
+    wait_for(running, parts, "*/[0-9]*.json")
+    assert re.fullmatch(rf"[1-9]\d* of 80 runs are kept in {re.escape(str(parts))}\.", stopped(running, number, code))
+    kept = {path: path.read_bytes() for path in parts.glob("*/*.json")}
+    assert kept
+
+    running = process(*command)
+    wait_for(running, parts, "*/[0-9]*.json", 17)  # 16 of runs, then those of judgements
+    assert re.fullmatch(r"[1-9]\d* of 80 judged runs are kept in .+", stopped(running, number, code))
+    assert all(path.read_bytes() == content for path, content in kept.items())
+
+    running = process(*command)
+    wait_for(running, results, "paper_*/regret.csv")
+    if running.poll() is None:
+        running.send_signal(number)
+        out, err = running.communicate(timeout=120)
+        # if the signal comes when everything is written, all is well
+        assert (running.returncode == code and ADVICE.fullmatch(err)) or (running.returncode == 0 and out)
+    assert not [path for path in results.rglob(".*") if path.is_file()]
+
+    assert finished(*command).returncode == 0
+    ended = contents(results)
+    shutil.rmtree(results)
+    assert finished(*command).returncode == 0
+    assert contents(results) == ended
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_a_benchmark_stopped_at_any_moment(cache_folder: Path, tmp_path: Path, seed: int) -> None:
+    rng = random.Random(seed)
+    grid = ["--cycles", "5", "--conditions", "single_novice", "--trials", "10", "--descents", "200", "--jobs", "2"]
+    command = ["benchmark", PAPER, "--cache", cache_folder, *grid, "--results", tmp_path]
+    for _ in range(5):
+        running = process(*command)
+        if listens(running):
+            time.sleep(rng.uniform(0, 6))
+        number, code = rng.choice(SIGNALS)
+        running.send_signal(number)
+        out, err = running.communicate(timeout=120)
+        assert (running.returncode == code and ADVICE.fullmatch(err.removeprefix(STOPPING))) or (
+            running.returncode in (0, -number) and out and not err
+        ), (running.returncode, err)
+    assert finished(*command).returncode == 0
+
+
+def test_a_simulation_is_stopped_and_goes_on(tmp_path: Path) -> None:
+    coarse = tmp_path / "coarse.yaml"
+    coarse.write_text(PAPER.read_text().replace("time_step_s: 0.005", "time_step_s: 0.02"))
+    command = ["simulate", coarse, "--cache", tmp_path / "cache", "--jobs", "1"]
+    running = process(*command)
+    wait_for(running, tmp_path, "cache/partial/*.h5")
+    kept = stopped(running, signal.SIGTERM, 143)
+    there = len(list((tmp_path / "cache" / "partial").glob("*.h5")))
+    assert kept == f"{there} of 4 reactions are kept in {tmp_path / 'cache'}."
+    done = finished(*command)
+    assert done.returncode == 0 and f"{there} found in the cache" in done.stdout
+
+
+@pytest.mark.slow
+def test_a_study_is_stopped_and_goes_on(tmp_path: Path) -> None:
+    command = ["sensitivity", ROOT / "experiments" / "sensitivity.yaml", "--cache", tmp_path, "--results", tmp_path]
+    running = process(*command)
+    wait_for(running, tmp_path, "partial/*.h5")
+    assert re.fullmatch(r"[1-9]\d* of \d+ reactions are kept in .+", stopped(running, signal.SIGINT, 130))
+    running = process(*command)
+    wait_for(running, tmp_path, "partial/*.h5", 4)
+    assert stopped(running, signal.SIGTERM, 143)
+
+
+def test_a_check_of_the_cache_is_stopped(cache_folder: Path) -> None:
+    running = process("cache", "verify", "--cache", cache_folder, "--jobs", "1")
+    assert listens(running)
+    assert stopped(running, signal.SIGINT, 130)
+
+
+def test_twice_is_at_once(cache_folder: Path, tmp_path: Path) -> None:
+    """The second signal ends even what is in progress; long runs, so that there is some."""
+    grid = ["--conditions", "single_novice", "--cycles", "100", "--policies", "pomcp_0.1", "--descents", "200000"]
+    running = process("benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path, *grid, "--jobs", "1")
+    assert listens(running)
+    wait_for(running, tmp_path, "paper/parts")
+    time.sleep(1)
+    running.send_signal(signal.SIGINT)
+    assert running.stderr is not None and running.stderr.readline() == STOPPING
+    begin = time.monotonic()
+    running.send_signal(signal.SIGINT)
+    _, err = running.communicate(timeout=60)
+    assert running.returncode == -signal.SIGINT and time.monotonic() - begin < 10 and "Traceback" not in err
+
+
+LOST = """
+import os, signal, sys, time
+from fatigue_planner.cli.entry import run
+import fatigue_planner.cli.validate as validate
+class Destructor:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGTERM)
+def work(*_):
+    Destructor()
+    time.sleep(30)
+validate.read_yaml = work
+run()
+"""
+
+
+def test_a_signal_in_a_destructor_is_not_lost() -> None:
+    """Python only prints what is raised there."""
+    command = [sys.executable, "-c", LOST, "validate", "x.yaml"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=25)
+    assert done.returncode == 143 and ADVICE.fullmatch(done.stderr)
+
+
+STOPPED_ON_IMPORT = """
+import os, signal, sys
+class Stopper:
+    def find_spec(self, name, *_):
+        if name == "fatigue_planner.experiment.schema":
+            os.kill(os.getpid(), signal.SIGTERM)
+sys.meta_path.insert(0, Stopper())
+from fatigue_planner.cli.entry import run
+run()
+"""
+
+
+def test_stopped_while_it_loads() -> None:
+    command = [sys.executable, "-c", STOPPED_ON_IMPORT, "simulate", "my file.yaml", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 143 and done.stderr.endswith("Go on with: fatplan simulate 'my file.yaml' --json\n")
+    assert '"exit_code": 143' in done.stdout and len(done.stderr.splitlines()) == 1
