@@ -37,10 +37,10 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The paper's experiment with few trials of few cycles."""
     settings = yaml.safe_load(PAPER.read_text(encoding="utf-8"))
     settings["name"] = "small"
-    settings["benchmark"] |= {"n_cycles": [3, 12], "trials": 12}
+    settings["benchmark"] |= {"n_cycles": [3, 8], "trials": 6}
     for policy in settings["benchmark"]["policies"].values():
         if "descents" in policy:
-            policy["descents"] = 60
+            policy["descents"] = 40
     path = tmp_path_factory.mktemp("experiment") / "small.yaml"
     path.write_text(yaml.safe_dump(settings), encoding="utf-8")
     return path
