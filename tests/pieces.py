@@ -2,8 +2,10 @@
 
 import os
 import signal
+import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,8 +43,26 @@ class Interrupt(BaseException):
     pass
 
 
-def interrupted(_number: int, _frame: object) -> None:
-    raise Interrupt
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """SIGINT raises Interrupt, as whoever runs the program may have it."""
+
+    def interrupted(_number: int, _frame: object) -> None:
+        raise Interrupt
+
+    before = signal.signal(signal.SIGINT, interrupted)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def interrupt_after(delay_s: float) -> None:
+    """Send SIGINT to this process, now or in a moment."""
+    if delay_s:
+        threading.Timer(delay_s, os.kill, [os.getpid(), signal.SIGINT]).start()
+    else:
+        os.kill(os.getpid(), signal.SIGINT)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import PAPER
 from dask_clusters import Cluster, Killer, cluster
-from pieces import Deadly, Interrupt, die, fail, interrupted, slow_square, square
+from pieces import Deadly, Interrupt, die, fail, interrupt_after, interruptible, slow_square, square
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.runner import run_grid
@@ -137,15 +137,11 @@ def test_after_an_interrupt_what_is_in_progress_is_still_delivered(two: Cluster)
         for place, _ in DaskCluster(two.address).run(slow_square, range(50)):
             yield place
             if place == 1:
-                signal.setitimer(signal.ITIMER_REAL, 0.05)
+                interrupt_after(0.05)
 
     found = []
-    before = signal.signal(signal.SIGALRM, interrupted)
-    try:
-        with pytest.raises(Interrupt):
-            found.extend(until_interrupted())
-    finally:
-        signal.signal(signal.SIGALRM, before)
+    with interruptible(), pytest.raises(Interrupt):
+        found.extend(until_interrupted())
     assert 2 <= len(found) <= 6
 
 

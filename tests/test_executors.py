@@ -1,11 +1,10 @@
 """Work survives the workers that do it."""
 
-import signal
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from pieces import Interrupt, die, fail, interrupted, slow_square, square
+from pieces import Interrupt, die, fail, interrupt_after, interruptible, slow_square, square
 
 from fatigue_planner.errors import FailedMotionError
 from fatigue_planner.executors.executor import MOST_DEATHS, Lost
@@ -34,19 +33,25 @@ def test_an_error_of_the_work_is_raised() -> None:
         list(LocalProcesses(2).run(fail, range(10)))
 
 
-def test_after_an_interrupt_what_is_in_progress_is_still_delivered(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("delay_s", [0.0, 0.15], ids=["while a result is stored", "while waiting"])
+def test_after_an_interrupt_what_is_in_progress_is_still_delivered(
+    capfd: pytest.CaptureFixture[str], delay_s: float
+) -> None:
     def until_interrupted() -> Iterator[int]:
         for place, _ in LocalProcesses(2).run(slow_square, range(50)):
             yield place
             if place == 1:
-                signal.setitimer(signal.ITIMER_REAL, 0.05)
+                interrupt_after(delay_s)
 
     found = []
-    before = signal.signal(signal.SIGALRM, interrupted)
-    try:
-        with pytest.raises(Interrupt):
-            found.extend(until_interrupted())
-    finally:
-        signal.signal(signal.SIGALRM, before)
-    assert 2 <= len(found) <= 8
-    assert "Stopping after the work in progress" in capsys.readouterr().err
+    with interruptible(), pytest.raises(Interrupt):
+        found.extend(until_interrupted())
+    assert 4 <= len(found) <= 8
+    assert capfd.readouterr().err == "Stopping after the work in progress (once more to stop at once) ...\n"
+
+
+def test_an_interrupt_at_the_very_end_is_heard() -> None:
+    with interruptible(), pytest.raises(Interrupt):
+        for place, _ in LocalProcesses(1).run(square, range(3)):
+            if place == 2:
+                interrupt_after(0)

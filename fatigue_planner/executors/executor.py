@@ -4,13 +4,14 @@ What is written to disk is written by the process that asks, never by those that
 may be lost at any moment.
 """
 
-import sys
 from abc import ABC, abstractmethod
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, TypeVar
+
+from fatigue_planner.executors.interrupts import Interrupts
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -74,43 +75,32 @@ class Executor(ABC):
         """Do `work` on every item; yield (place of the item, result) as they come.
 
         A piece of work whose worker dies is done again; one of several that its worker may have died of is done
-        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. On an interrupt (KeyboardInterrupt or
-        the like) no more work is begun, the results of what is in progress are still yielded, and then it is raised.
+        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. After an interrupt no more work is
+        begun, the results of what is in progress are still yielded, and then it is raised (see `Interrupts`).
         """
         if not items:
             return
         deaths: Counter[int] = Counter()
         ready, suspects = deque(range(len(items))), deque[int]()
         pending: set[int] = set()
-        interrupt: BaseException | None = None
-        with self.pool(work, len(items)) as pool:
-            while (pending if interrupt is None else pool.in_progress) or (interrupt is None and (ready or suspects)):
-                try:
-                    while interrupt is None and _may_begin(ready, suspects, pending, pool.capacity):
-                        place = (ready or suspects).popleft()
-                        pending.add(place)
-                        pool.submit(place, items[place])
-                    done = pool.finished()
-                except Exception:
-                    raise
-                except BaseException as error:
-                    if interrupt is not None:
-                        raise
-                    interrupt = error
-                    print("Stopping after the work in progress (once more to stop at once) ...", file=sys.stderr)
-                    continue
-                for place, result in done:
+        with Interrupts() as interrupts, self.pool(work, len(items)) as pool:
+            while pending or ready or suspects:
+                while not interrupts.noted and _may_begin(ready, suspects, pending, pool.capacity):
+                    place = (ready or suspects).popleft()
+                    pending.add(place)
+                    pool.submit(place, items[place])
+                if interrupts.noted and not pool.in_progress:
+                    break
+                for place, result in pool.finished():
                     pending.discard(place)
                     if not isinstance(result, Died):
                         yield place, result
-                    elif interrupt is None:
-                        deaths[place] += result.alone
-                        if deaths[place] == MOST_DEATHS:
-                            yield place, Lost()
-                        else:
-                            (ready if result.alone else suspects).append(place)
-        if interrupt is not None:
-            raise interrupt
+                        continue
+                    deaths[place] += result.alone
+                    if deaths[place] == MOST_DEATHS:
+                        yield place, Lost()
+                    else:
+                        (ready if result.alone else suspects).append(place)
 
 
 def _may_begin(ready: deque[int], suspects: deque[int], pending: set[int], capacity: int) -> bool:
