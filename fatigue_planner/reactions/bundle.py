@@ -1,7 +1,7 @@
 """Reactions on their way to another machine: a ZIP file, not compressed, of entries of the cache.
 
-Nothing in a bundle is believed: sizes are checked before anything is read, names are only compared, and every reaction
-is checked like one that was just simulated.
+Nothing in a bundle is believed: it is read from the front, entry by entry, sizes are checked before anything is read,
+names are only compared, and every reaction is checked like one that was just simulated.
 """
 
 import struct
@@ -9,21 +9,23 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from fatigue_planner.errors import BundleError, DamagedFileError, OtherVersionError
 from fatigue_planner.files import publish, publish_bytes, writable_folder
 from fatigue_planner.reactions.audit import faults_of
-from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.cache import ReactionCache, read_content
 from fatigue_planner.reactions.entry import MOST_BYTES, read_entry
 from fatigue_planner.reactions.reaction import file_name
+from fatigue_planner.reactions.seal import is_sealed
 
 MOST_ENTRIES = 100_000
 # The same bytes whenever and wherever it is made.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
-# What Python's zipfile raises on a file that is none.
-_UNREADABLE = (
-    OSError, zipfile.BadZipFile, struct.error, ValueError, EOFError, NotImplementedError, RuntimeError, OverflowError,
-)  # fmt: skip
+# What stands before an entry: mark, version, flags, method, time, date, CRC, stored and true size, length of the name
+# and of further fields, which none of ours has.
+_HEADER = struct.Struct("<4s5H3I2H")
+_ENTRY_MARK, _END_MARKS = b"PK\3\4", (b"PK\1\2", b"PK\5\6")
 
 
 @dataclass(frozen=True)
@@ -37,12 +39,18 @@ class Imported:
 
 
 def export_bundle(files: Sequence[Path], bundle: Path) -> None:
-    """Publish a bundle of entries. Raises OutputFolderError if it cannot be written."""
+    """Publish a bundle of entries.
+
+    Raises OutputFolderError if it cannot be written, DamagedFileError for an entry that is not what was written.
+    """
 
     def write(temporary: Path) -> None:
         with zipfile.ZipFile(temporary, "w") as archive:
             for file in sorted(files):
-                archive.writestr(zipfile.ZipInfo(file.name, _EPOCH), file.read_bytes())
+                content = read_content(file)
+                if not is_sealed(content):
+                    raise DamagedFileError(f"{file}: does not match its hash; it was altered or damaged.")
+                archive.writestr(zipfile.ZipInfo(file.name, _EPOCH), content)
 
     publish(bundle, write)
 
@@ -57,21 +65,38 @@ def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
 
 
 def _entries(bundle: Path) -> Iterator[tuple[str, bytes]]:
+    """Name and content of every entry, from the front to the list of contents, which is not read."""
     try:
-        with zipfile.ZipFile(bundle) as archive:
-            members = archive.infolist()
-            if len(members) > MOST_ENTRIES:
-                raise BundleError(f"{bundle}: has {len(members)} entries; none of ours has more than {MOST_ENTRIES}.")
-            if sum(member.file_size for member in members) > bundle.stat().st_size:
-                raise BundleError(f"{bundle}: its entries are larger than itself; this is not one of ours.")
-            for member in members:
-                if member.compress_type != zipfile.ZIP_STORED:
-                    raise BundleError(f"{bundle}: {member.filename!r} is compressed; this is not one of ours.")
-                if member.file_size > MOST_BYTES:
-                    raise BundleError(f"{bundle}: {member.filename!r} is larger than {MOST_BYTES} bytes.")
-                yield member.filename, archive.read(member)
-    except _UNREADABLE as error:
-        raise BundleError(f"{bundle}: cannot be read as a bundle of reactions ({error}).") from error
+        if not bundle.is_file() and bundle.exists():
+            raise BundleError(f"{bundle}: is not a file.")
+        with bundle.open("rb") as file:
+            for _ in range(MOST_ENTRIES):
+                entry = _next_entry(bundle, file)
+                if entry is None:
+                    return
+                yield entry
+            if _next_entry(bundle, file) is not None:
+                raise BundleError(f"{bundle}: has more than {MOST_ENTRIES} entries; none of ours has.")
+    except OSError as error:
+        raise BundleError(f"{bundle}: cannot be read ({error.strerror}).") from error
+
+
+def _next_entry(bundle: Path, file: BinaryIO) -> tuple[str, bytes] | None:
+    start = file.read(_HEADER.size)
+    if start[:4] in _END_MARKS:
+        return None
+    if start[:4] != _ENTRY_MARK or len(start) < _HEADER.size:
+        raise BundleError(f"{bundle}: is no bundle of reactions, or was cut off.")
+    _, _, flags, method, _, _, _, stored, size, name_length, further = _HEADER.unpack(start)
+    name = file.read(name_length).decode(errors="backslashreplace")
+    if flags or method != zipfile.ZIP_STORED or stored != size or further:
+        raise BundleError(f"{bundle}: {name!r} is not stored as `fatplan cache export` does: plainly.")
+    if size > MOST_BYTES:
+        raise BundleError(f"{bundle}: {name!r} has {size} bytes; none of ours has more than {MOST_BYTES}.")
+    content = file.read(size)
+    if len(content) < size:
+        raise BundleError(f"{bundle}: was cut off in {name!r}.")
+    return name, content
 
 
 def _take(member: str, content: bytes, cache: ReactionCache) -> Imported:
