@@ -108,8 +108,8 @@ class ReactionCache:
         by_digest = {request.digest: request for request in requests}
         places = self._places()
         outcomes: dict[str, Outcome] = {}
-        for digest in by_digest:
-            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), by_digest[digest])
+        for digest, request in by_digest.items():
+            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), request)
             if reaction is not None:
                 quality = reaction.quality
                 outcomes[digest] = Outcome(reaction.name, digest, quality.kept_as(), True, quality)

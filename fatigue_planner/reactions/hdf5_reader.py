@@ -77,8 +77,8 @@ def _check_shape(dataset: h5py.Dataset, name: str, shape: list[int | None], most
     fits = dataset.shape is not None and len(dataset.shape) == len(shape)
     if not fits or any(asked not in (None, size) for asked, size in zip(shape, dataset.shape, strict=True)):
         raise RefusedError(f"{name} has the shape {dataset.shape}")
-    if any(size > most_rows for size in dataset.shape):
-        raise RefusedError(f"{name} has {max(dataset.shape)} rows, more than {most_rows}")
+    if shape[:1] == [None] and dataset.shape[0] > most_rows:
+        raise RefusedError(f"{name} has {dataset.shape[0]} rows, more than {most_rows}")
     if dataset.chunks is not None and math.prod(dataset.chunks) > 2 * max(math.prod(dataset.shape), 1):
         raise RefusedError(f"{name} is stored in pieces larger than itself")
     if shape[:1] == [None]:
