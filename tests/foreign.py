@@ -1,10 +1,14 @@
 """A small entry of the cache, and what an attacker makes of it."""
 
+import ctypes
 import io
+import os
 import struct
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -72,7 +76,9 @@ def with_motion(**parts: object) -> bytes:
     return entry_bytes(replace(reaction, motion=replace(reaction.motion, **parts)))  # type: ignore[arg-type]
 
 
-def zip_entry(name: bytes, content: bytes, *, flags: int = 0, method: int = 0, stored: int = -1, size: int = -1) -> bytes:
+def zip_entry(
+    name: bytes, content: bytes, *, flags: int = 0, method: int = 0, stored: int = -1, size: int = -1
+) -> bytes:
     """An entry of a ZIP file whose header may lie."""
     stored, size = len(content) if stored < 0 else stored, len(content) if size < 0 else size
     head = struct.pack("<4s5H3I2H", b"PK\3\4", 20, flags, method, 0, 33, 0, stored, size, len(name), 0)
@@ -82,20 +88,22 @@ def zip_entry(name: bytes, content: bytes, *, flags: int = 0, method: int = 0, s
 def mutant(content: bytes, rng: np.random.Generator) -> bytes:
     """One to four seeded changes behind a renewed seal."""
     data = bytearray(content)
+    used = 512 + np.flatnonzero(np.frombuffer(content, np.uint8)[512:])  # more hits than in what is empty
     for _ in range(int(rng.integers(1, 5))):
-        place = int(rng.integers(512, len(data)))
+        place = int(rng.choice(used) if rng.random() < 0.7 else rng.integers(512, len(content)))
+        place = min(place, len(data) - 1)
         length = int(rng.choice([1, 2, 4, 8]))
         kind = int(rng.integers(8))
         if kind <= 1:
             data[place] ^= 1 << int(rng.integers(8))
         elif kind <= 3:  # an integer at its ends, where HDF5 has most of its numbers: at even places
             place &= ~(min(length, 2) - 1)
-            data[place : place + length] = bytes([int(rng.choice([0, 0xFF, 0x7F, 0x01, 0x80]))] * length)[: len(data) - place]
+            data[place : place + length] = bytes([int(rng.choice([0, 0xFF, 0x7F, 0x01, 0x80]))] * length)
         elif kind == 4:
             source = int(rng.integers(512, len(data)))
             many = int(rng.integers(1, 64))
             data[place : place + many] = data[source : source + many]
-        elif kind == 5:
+        elif kind == 5 and rng.random() < 0.2:
             many = int(rng.integers(1, 400))
             data[place:place] = data[place : place + many]
         elif kind == 6 and rng.random() < 0.2:
@@ -103,3 +111,33 @@ def mutant(content: bytes, rng: np.random.Generator) -> bytes:
         else:
             data[place : place + length] = rng.bytes(length)
     return sealed(bytes(data))
+
+
+def packed_zeros(size: int) -> bytes:
+    """So many zeros as zlib packs them, to a thousandth, without ever holding them."""
+    packer, million = zlib.compressobj(9), bytes(2**20)
+    first = packer.compress(million) + packer.flush(zlib.Z_FULL_FLUSH)
+    again = packer.compress(million) + packer.flush(zlib.Z_FULL_FLUSH)  # refers to nothing before it
+    whole, rest = divmod(size, 2**20)
+    assert whole > 0
+    last = packer.compress(bytes(rest)) + packer.flush(zlib.Z_FULL_FLUSH) + b"\x03\0"
+    return first + again * (whole - 1) + last + struct.pack(">2H", size % 65521, 1)
+
+
+class Watched:
+    """Whether a file was opened, by whatever process, as the system (inotify) tells."""
+
+    def __init__(self, path: Path) -> None:
+        libc = ctypes.CDLL(None, use_errno=True)
+        self._descriptor = libc.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
+        on_open = 0x20
+        assert self._descriptor >= 0 and libc.inotify_add_watch(self._descriptor, bytes(path), on_open) >= 0
+
+    def opened(self) -> bool:
+        try:
+            return bool(os.read(self._descriptor, 4096))
+        except BlockingIOError:
+            return False
+
+    def close(self) -> None:
+        os.close(self._descriptor)
