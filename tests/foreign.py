@@ -76,9 +76,7 @@ def with_motion(**parts: object) -> bytes:
     return entry_bytes(replace(reaction, motion=replace(reaction.motion, **parts)))  # type: ignore[arg-type]
 
 
-def zip_entry(
-    name: bytes, content: bytes, *, flags: int = 0, method: int = 0, stored: int = -1, size: int = -1
-) -> bytes:
+def zip_entry(name: bytes, content: bytes, flags: int = 0, method: int = 0, stored: int = -1, size: int = -1) -> bytes:
     """An entry of a ZIP file whose header may lie."""
     stored, size = len(content) if stored < 0 else stored, len(content) if size < 0 else size
     head = struct.pack("<4s5H3I2H", b"PK\3\4", 20, flags, method, 0, 33, 0, stored, size, len(name), 0)
@@ -115,13 +113,20 @@ def mutant(content: bytes, rng: np.random.Generator) -> bytes:
 
 def packed_zeros(size: int) -> bytes:
     """So many zeros as zlib packs them, to a thousandth, without ever holding them."""
-    packer, million = zlib.compressobj(9), bytes(2**20)
-    first = packer.compress(million) + packer.flush(zlib.Z_FULL_FLUSH)
-    again = packer.compress(million) + packer.flush(zlib.Z_FULL_FLUSH)  # refers to nothing before it
-    whole, rest = divmod(size, 2**20)
-    assert whole > 0
+    packer, block = zlib.compressobj(9), bytes(2**18)
+    first = packer.compress(block) + packer.flush(zlib.Z_FULL_FLUSH)
+    again = packer.compress(block) + packer.flush(zlib.Z_FULL_FLUSH)  # refers to nothing before it
+    whole, rest = divmod(size, 2**18)
     last = packer.compress(bytes(rest)) + packer.flush(zlib.Z_FULL_FLUSH) + b"\x03\0"
     return first + again * (whole - 1) + last + struct.pack(">2H", size % 65521, 1)
+
+
+def packed(file: h5py.File, name: str, rows: int, packed_bytes: int | None = None) -> None:
+    """A dataset of zeros in one packed piece, which may hold more than it should."""
+    shape = (rows, *file[name].shape[1:])
+    del file[name]
+    new = file.create_dataset(name, shape, "<f8", chunks=shape, compression="gzip")
+    new.id.write_direct_chunk((0,) * len(shape), packed_zeros(packed_bytes or 8 * int(np.prod(shape))))
 
 
 class Watched:

@@ -185,13 +185,16 @@ def read_content(path: Path) -> bytes:
     try:
         # a pipe is opened, too, without waiting for somebody to write to it
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with open(descriptor, "rb") as file:  # noqa: PTH123 - what was opened is what is looked at
-            if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        try:
+            status = os.fstat(descriptor)
+            if not stat.S_ISREG(status.st_mode):
                 raise DamagedFileError(f"{path}: is not a file.")
-            size = os.fstat(descriptor).st_size
-            if size > MOST_BYTES:
-                raise DamagedFileError(f"{path}: has {size} bytes; none of ours has more than {MOST_BYTES}.")
-            return file.read(MOST_BYTES)
+            if status.st_size > MOST_BYTES:
+                raise DamagedFileError(f"{path}: has {status.st_size} bytes; none of ours has more than {MOST_BYTES}.")
+            with os.fdopen(descriptor, "rb", closefd=False) as file:
+                return file.read(MOST_BYTES)
+        finally:
+            os.close(descriptor)
     except OSError as error:
         raise DamagedFileError(f"{path}: cannot be read ({error.strerror}).") from error
 
