@@ -13,7 +13,7 @@ from test_reactions import keep
 from typer.testing import CliRunner
 
 from fatigue_planner.cli.main import app
-from fatigue_planner.errors import BundleError, MissingReactionsError
+from fatigue_planner.errors import BundleError, DamagedFileError, MissingReactionsError
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.entry import entry_bytes
 from fatigue_planner.reactions.reaction import Reaction, file_name
@@ -112,6 +112,18 @@ def test_what_is_exported_comes_in_elsewhere_to_the_last_bit(cache: Path, tmp_pa
         assert (elsewhere / path.name).read_bytes() == path.read_bytes()
     with pytest.raises(MissingReactionsError, match="4 of 4 reactions are not there"):
         told(2, "export", PAPER, tmp_path / "three.zip", "--cache", tmp_path / "empty")
+
+
+def test_what_comes_in_replaces_a_damaged_file(cache: Path, tmp_path: Path) -> None:
+    bundle, (path, *_) = tmp_path / "one.zip", ReactionCache(cache).files()
+    told(0, "export", PAPER, bundle, "--cache", cache)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-1])
+    with pytest.raises(DamagedFileError, match="does not match its hash"):
+        told(4, "export", PAPER, tmp_path / "two.zip", "--cache", cache)
+    assert not (tmp_path / "two.zip").exists()
+    assert "1 taken, 3 there already, 0 refused" in told(0, "import", bundle, "--cache", cache)
+    assert path.read_bytes() == whole and path.with_suffix(".damaged-1").read_bytes() == whole[:-1]
 
 
 def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:

@@ -81,7 +81,7 @@ def kill_in_the_middle(how: int) -> None:
 
 
 def test_a_reader_that_was_killed_is_started_again() -> None:
-    for how in (signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV):
+    for how in (signal.SIGKILL, signal.SIGSEGV):
         old = reader()
         os.kill(old, how)
         assert reader() != old
@@ -136,7 +136,7 @@ def test_after_an_interrupt_nobody_gets_the_answer_to_another_question(slow_cont
 
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        for wait_s in (0.02, 0.1, 0.3):
+        for wait_s in (0.02, 0.2):
             reader()
             signal.setitimer(signal.ITIMER_REAL, wait_s)
             with pytest.raises(KeyboardInterrupt):
@@ -180,7 +180,7 @@ def test_threads_get_their_own_answers() -> None:
 def test_nothing_is_left_behind(slow_content: bytes) -> None:
     reader()
     before, processes = descriptors(), len(children())
-    for _ in range(4):
+    for _ in range(2):
         os.kill(reader(), signal.SIGKILL)
         with pytest.raises(UnreadableError):
             read_hdf5(b"nothing", LAYOUT)
@@ -189,28 +189,33 @@ def test_nothing_is_left_behind(slow_content: bytes) -> None:
     assert descriptors() == before and len(children()) == processes and "Z" not in children()
 
 
-FORKING = """
-import os, sys, threading
-sys.path.insert(0, "tests")
-from foreign import small_entry, small_reaction
+READING = """
+import io, os
+import h5py, numpy as np
 from fatigue_planner.reactions import hdf5
-from fatigue_planner.reactions.entry import read_entry
 
-def right():
-    return all(read_entry(small_entry(), "f").digest == small_reaction().digest for _ in range(20))
+def right(rows):
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file["x"] = np.arange(rows) + 0.5
+    layout = hdf5.Layout({"x": ("f8", (None,))}, 1000, 10)
+    found = [hdf5.read_hdf5(content.getvalue(), layout)["x"] for _ in range(30)]
+    return all(np.array_equal(one, np.arange(rows) + 0.5) for one in found)
 
-assert right()
-hdf5._READER._lock.acquire()  # as if a thread were reading
+assert right(10)
 first = hdf5._READER._process.pid
+print(first, flush=True)
+"""
+FORKING = f"""{READING}
+hdf5._READER._lock.acquire()  # as if a thread were reading
 child = os.fork()
 if child == 0:
-    assert right() and hdf5._READER._process.pid != first
+    assert right(20) and hdf5._READER._process.pid != first
     hdf5._READER.stop()
     os._exit(7)
 hdf5._READER._lock.release()
-assert right() and hdf5._READER._process.pid == first
+assert right(30) and hdf5._READER._process.pid == first
 assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
-print(first)
 """
 
 
@@ -229,11 +234,8 @@ def test_a_fork_has_a_reader_of_its_own_and_the_end_is_silent() -> None:
 
 
 def test_the_reader_ends_with_a_killed_parent() -> None:
-    script = FORKING.split("hdf5._READER._lock.acquire", maxsplit=1)[0] + (
-        "print(hdf5._READER._process.pid, flush=True); os.kill(os.getpid(), 9)"
-    )
-    done = run("-c", script)
-    assert done.returncode == -9
+    done = run("-c", f"{READING}\nos.kill(os.getpid(), 9)")
+    assert done.returncode == -9, done.stderr
     gone = Path(f"/proc/{done.stdout.strip()}")
     end = time.monotonic() + 20
     while gone.exists() and gone.joinpath("stat").read_text().rsplit(")")[1].split()[0] != "Z":

@@ -145,12 +145,15 @@ def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE) -> None:
     not have been. Exit code 3 if some are refused.
     """
     refused, new, known = 0, 0, 0
-    with counter(talk()) as bar:
+    store, console = ReactionCache(cache), talk()
+    with counter(console) as bar:
         task = bar.add_task("Checking reactions", total=None)
-        for one in import_bundle(bundle, ReactionCache(cache)):
+        for one in import_bundle(bundle, store):
             bar.advance(task)
             refused, new, known = refused + bool(one.refused), new + one.new, known + (not one.refused and not one.new)
             typer.echo(f"  REFUSED {one.refused}" if one.refused else f"  {one.path}{'' if one.new else ': was there'}")
+    for warning in store.damaged:
+        console.print(f"Warning: {warning}", markup=False)
     typer.echo(f"{cache}: {new} taken, {known} there already, {refused} refused.")
     if refused:
         raise typer.Exit(ExitCode.FAILED_PARTS)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from fatigue_planner.errors import BundleError, DamagedFileError, OtherVersionError
-from fatigue_planner.files import publish, publish_bytes, writable_folder
+from fatigue_planner.files import publish, publish_bytes, set_aside, writable_folder
 from fatigue_planner.reactions.audit import faults_of
 from fatigue_planner.reactions.cache import ReactionCache, read_content
 from fatigue_planner.reactions.entry import MOST_BYTES, read_entry
@@ -58,6 +58,7 @@ def export_bundle(files: Sequence[Path], bundle: Path) -> None:
 def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
     """Check every entry of a bundle and take the good ones into the cache, one by one.
 
+    A damaged file in the place of a good one is set aside (see `ReactionCache.damaged`).
     Raises BundleError if the file is no bundle, OutputFolderError if the cache cannot be written.
     """
     for member, content in _entries(bundle):
@@ -113,7 +114,11 @@ def _take(member: str, content: bytes, cache: ReactionCache) -> Imported:
     if faults:
         return Imported(member, refused=f"{member!r}: {'; '.join(faults)}")
     path = cache.folder / own
-    new = not path.exists()
-    if new:
-        publish_bytes(writable_folder(cache.folder) / own, content)
-    return Imported(member, path, new)
+    if path.exists():
+        try:
+            cache.read(path)
+            return Imported(member, path)
+        except (DamagedFileError, OtherVersionError) as error:
+            cache.damaged.append(f"{error} It is set aside as {set_aside(path).name}.")
+    publish_bytes(writable_folder(cache.folder) / own, content)
+    return Imported(member, path, new=True)

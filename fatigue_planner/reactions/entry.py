@@ -62,6 +62,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MOST_TEXT = 1_000_000
+LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
 MOST_BYTES = MOST_TICKS * _ROW_BYTES + 4 * MOST_TEXT
 
 _TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
@@ -150,9 +151,9 @@ def _check_format(content: bytes, source: str) -> None:
 
 
 def _reaction(found: dict[str, Array], source: str) -> Reaction:
-    wrong = [name for name in ("time_step_s", *ARRAYS) if not np.isfinite(found[name]).all()]
+    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < LARGEST).all()]
     if wrong:
-        raise ValueError(f"{wrong[0]} is not finite")
+        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {LARGEST:.0e}")
     reaction = Reaction(
         name=_name(found["name"]),
         key=_key(found["key"]),
