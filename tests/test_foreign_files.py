@@ -400,7 +400,12 @@ def judged(seeds: range) -> Counter[str]:
         except (DamagedFileError, OtherVersionError) as error:
             text = str(error)
             assert text.isprintable() and len(text) < 500, seed
-            kinds = ("ends the process", "too long", "cannot be read as HDF5", "do not match")
+            kinds = (
+                *(f"reads it (-{code})" for code in range(65)),
+                "too long",
+                "cannot be read as HDF5",
+                "do not match",
+            )
             counts[next((kind for kind in kinds if kind in text), "refused by us")] += 1
         else:
             counts["read"] += 1
