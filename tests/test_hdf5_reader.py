@@ -19,13 +19,14 @@ from fatigue_planner.reactions import hdf5
 from fatigue_planner.reactions.entry import ARRAYS, LAYOUT, read_entry
 from fatigue_planner.reactions.hdf5 import UnreadableError, read_hdf5
 
+ROWS = 50_000
 ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
 def slow_content() -> bytes:
-    """What takes HDF5 most of a second: as many rows as are allowed."""
-    return crafted(lambda file: [packed(file, array, 100_000) for array in ARRAYS])
+    """What takes HDF5 a part of a second, and 90 MB."""
+    return crafted(lambda file: [packed(file, array, ROWS) for array in ARRAYS])
 
 
 def reader() -> int:
@@ -99,9 +100,9 @@ def test_a_reader_that_dies_of_a_file_twice_is_the_files_fault(slow_content: byt
 
 def test_a_reader_that_dies_once_while_it_reads_is_asked_again(slow_content: bytes) -> None:
     old = reader()
-    timer = threading.Timer(0.1, os.kill, (old, signal.SIGKILL))
+    timer = threading.Timer(0.05, os.kill, (old, signal.SIGKILL))
     timer.start()
-    assert len(read_hdf5(slow_content, LAYOUT)["torque_nm"]) == 100_000
+    assert len(read_hdf5(slow_content, LAYOUT)["torque_nm"]) == ROWS
     timer.join()
     assert reader() != old
 
@@ -136,7 +137,7 @@ def test_after_an_interrupt_nobody_gets_the_answer_to_another_question(slow_cont
 
     before = signal.signal(signal.SIGALRM, interrupt)
     try:
-        for wait_s in (0.02, 0.2):
+        for wait_s in (0.02, 0.1):
             reader()
             signal.setitimer(signal.ITIMER_REAL, wait_s)
             with pytest.raises(KeyboardInterrupt):
