@@ -27,7 +27,8 @@ PATIENCE_S = 60
 LONGEST_MESSAGE = 300
 # No filter is looked for on the disk; no threads of linear algebra, whose memory would count; memory is given back.
 _ENVIRONMENT = {
-    "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_TRIM_THRESHOLD_": "1048576",
+    "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+    "MALLOC_TRIM_THRESHOLD_": "1048576",
 }  # fmt: skip
 
 Array = NDArray[Any]
