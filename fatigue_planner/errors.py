@@ -57,6 +57,10 @@ class BundleError(FatplanError):
     """A file is not a bundle of reactions."""
 
 
+class ReaderError(FatplanError):
+    """The process that reads stored reactions cannot be started on this machine."""
+
+
 class OtherVersionError(FatplanError):
     """A reaction was written by a version of fatplan with another file format."""
 

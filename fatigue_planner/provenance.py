@@ -12,9 +12,10 @@ from pydantic import BaseModel, ConfigDict
 
 from fatigue_planner import __version__
 from fatigue_planner.errors import DamagedFileError
-from fatigue_planner.files import publish_text
+from fatigue_planner.files import canonical_json, digest_of, publish_text, set_aside
 
 MANIFEST_FILE = "manifest.json"
+SEAL = "seal"  # of a command's entry: the SHA-256 of all else it says
 LIBRARIES = ("numpy", "scipy", "pandas", "numba", "pin", "casadi", "h5py", "matplotlib")
 
 
@@ -26,18 +27,28 @@ def versions() -> dict[str, str]:
 def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> dict[str, str]:
     """Write the manifest: what made the files of a folder, from what, and their SHA-256, which are returned by name.
 
-    Entries of other commands are kept, so one manifest describes the whole folder.
+    Entries of other commands are kept, so one manifest describes the whole folder; each carries the SHA-256 of what it
+    says. A manifest that cannot be read is set aside.
     """
     path = folder / MANIFEST_FILE
     try:
         manifest = json.loads(path.read_text(encoding="utf-8"))
-        manifest = manifest if isinstance(manifest, dict) else {}
+    except FileNotFoundError:
+        manifest = {}
     except (OSError, ValueError):
+        manifest = None
+    if not isinstance(manifest, dict):
+        set_aside(path)
         manifest = {}
     hashes = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
-    manifest[made_by] = {"versions": versions(), **configuration, "sha256": hashes}
-    publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+    entry = json.loads(canonical_json({"versions": versions(), **configuration, "sha256": hashes}))
+    manifest[made_by] = {**entry, SEAL: digest_of(entry)}
+    publish_text(path, _text(manifest))
     return hashes
+
+
+def _text(manifest: Mapping[str, Any]) -> str:
+    return json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 class Note(BaseModel):
@@ -54,14 +65,26 @@ N = TypeVar("N", bound=Note)
 
 
 def read_note(folder: Path, made_by: str, kind: type[N], command: str) -> N:
-    """The note of a command. Raises DamagedFileError if there is none, or none that this version understands."""
+    """The note of a command.
+
+    Raises DamagedFileError if there is none, none that this version understands, or not the one that was written.
+    """
     path = folder / MANIFEST_FILE
     try:
-        return kind.model_validate(json.loads(path.read_text(encoding="utf-8"))[made_by])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        text = path.read_text(encoding="utf-8")
+        manifest = json.loads(text)
+        entry = dict(manifest[made_by])
+        seal = entry.pop(SEAL)
+        note = kind.model_validate(entry)
+        # the text, too, must be the one that was written: 1e-05 and 1E-05 are the same number
+        intact = seal == digest_of(entry) and text == _text(manifest)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DamagedFileError(
             f"{path}: does not say, as this version does, how files were made. Run `{command}`."
         ) from error
+    if not intact:
+        raise DamagedFileError(f"{path}: is not what was written; it was altered or damaged. Run `{command}`.")
+    return note
 
 
 def check_intact(folder: Path, note: Note, file: str, command: str) -> None:

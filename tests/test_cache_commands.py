@@ -111,6 +111,17 @@ def test_what_is_exported_comes_in_elsewhere_to_the_last_bit(cache: Path, tmp_pa
     assert "4 of 4 reactions are not there" in text and not (tmp_path / "three.zip").exists()
 
 
+def test_what_comes_in_replaces_a_damaged_file(cache: Path, tmp_path: Path) -> None:
+    bundle, (path, *_) = tmp_path / "one.zip", ReactionCache(cache).files()
+    told(0, "export", PAPER, bundle, "--cache", cache)
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-1])
+    assert "does not match its hash" in told(4, "export", PAPER, tmp_path / "two.zip", "--cache", cache)
+    assert not (tmp_path / "two.zip").exists()
+    assert "1 taken, 3 there already, 0 refused" in told(0, "import", bundle, "--cache", cache)
+    assert path.read_bytes() == whole and path.with_suffix(".damaged-1").read_bytes() == whole[:-1]
+
+
 def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
     torque = reactions[0].motion.torque_nm.copy()
     torque[100, 3] += 1e-3
@@ -135,8 +146,8 @@ def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction,
 def test_files_that_are_no_bundles(cache: Path, tmp_path: Path) -> None:
     bundle = tmp_path / "bundle.zip"
     bundle.write_bytes(b"PK nothing")
-    assert "bundle.zip: cannot be read as a bundle of reactions" in told(2, "import", bundle, "--cache", cache)
+    assert "bundle.zip: is no bundle of reactions" in told(2, "import", bundle, "--cache", cache)
     with zipfile.ZipFile(bundle, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("x-0123456789abcdef.h5", b"0" * 10_000_000)
-    assert "larger than itself" in told(2, "import", bundle, "--cache", cache)
+    assert "is not stored as `fatplan cache export` does" in told(2, "import", bundle, "--cache", cache)
     assert "No such file" in told(2, "import", tmp_path / "none.zip", "--cache", cache)

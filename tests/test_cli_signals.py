@@ -105,12 +105,12 @@ def test_a_benchmark_stopped_at_any_moment(cache_folder: Path, tmp_path: Path, s
 
 def test_a_simulation_is_stopped_and_goes_on(tmp_path: Path) -> None:
     coarse = tmp_path / "coarse.yaml"
-    coarse.write_text(PAPER.read_text().replace("time_step_s: 0.005", "time_step_s: 0.02"))
+    coarse.write_text(PAPER.read_text().replace("time_step_s: 0.01", "time_step_s: 0.02"))
     command = ["simulate", coarse, "--cache", tmp_path / "cache", "--jobs", "1"]
     running = process(*command)
-    wait_for(running, tmp_path, "cache/partial/*.h5")
+    wait_for(running, tmp_path, "cache/*.h5")
     kept = stopped(running, signal.SIGTERM, 143)
-    there = len(list((tmp_path / "cache" / "partial").glob("*.h5")))
+    there = len(list((tmp_path / "cache").glob("*.h5")))
     assert kept == f"{there} of 4 reactions are kept in {tmp_path / 'cache'}."
     done = finished(*command)
     assert done.returncode == 0 and f"{there} found in the cache" in done.stdout
@@ -120,10 +120,10 @@ def test_a_simulation_is_stopped_and_goes_on(tmp_path: Path) -> None:
 def test_a_study_is_stopped_and_goes_on(tmp_path: Path) -> None:
     command = ["sensitivity", ROOT / "experiments" / "sensitivity.yaml", "--cache", tmp_path, "--results", tmp_path]
     running = process(*command)
-    wait_for(running, tmp_path, "partial/*.h5")
+    wait_for(running, tmp_path, "*.h5")
     assert re.fullmatch(r"[1-9]\d* of \d+ reactions are kept in .+", stopped(running, signal.SIGINT, 130))
     running = process(*command)
-    wait_for(running, tmp_path, "partial/*.h5", 4)
+    wait_for(running, tmp_path, "*.h5", 4)
     assert stopped(running, signal.SIGTERM, 143)
 
 

@@ -15,6 +15,7 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.audit import audit
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
@@ -267,11 +268,17 @@ def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[R
     assert "not those of this version" in audit(keep(tmp_path, strange)).reason
 
 
-def test_audit_finds_a_motion_longer_than_its_settings_say(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+def test_a_motion_longer_than_its_settings_say_is_noticed(
+    paper: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path
+) -> None:
     motion = reactions[0].motion
     rows = {name: np.concatenate([getattr(motion, name)] * 2) for name in ARRAYS}
-    found = audit(keep(tmp_path, replace(reactions[0], motion=replace(motion, **rows))))
-    assert found.verdict == "failed" and "another length" in found.reason
+    phases = tuple(Phase(name, 2 * start, 2 * stop) for name, start, stop in motion.phases)
+    path = keep(tmp_path, replace(reactions[0], motion=replace(motion, phases=phases, **rows)))
+    assert audit(path).verdict == "failed" and "another length" in audit(path).reason
+    request = next(one for one in reaction_requests(paper) if one.digest == reactions[0].digest)
+    with pytest.raises(DamagedFileError, match="another length"):
+        ReactionCache(tmp_path).load([request], "fatplan simulate")
 
 
 def test_a_complete_cache_needs_no_writable_folder(brief: Experiment, tmp_path: Path) -> None:

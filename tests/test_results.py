@@ -16,6 +16,7 @@ from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.results import courses, load_folder, load_results
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, selected
+from fatigue_planner.files import digest_of
 from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import Reaction, digests
 
@@ -151,16 +152,40 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
         load_results(small, folder, COMMAND)
 
 
+def write_manifest(folder: Path, entry: dict[str, object]) -> None:
+    """A manifest with the seal it should have."""
+    entry.pop("seal", None)
+    text = json.dumps({"benchmark": {**entry, "seal": digest_of(entry)}}, indent=1, sort_keys=True, ensure_ascii=False)
+    (folder / "manifest.json").write_text(text + "\n")
+
+
 @pytest.mark.parametrize("missing", ["versions", "references", "experiment", "seed", "sha256", "reactions"])
 def test_a_manifest_of_another_version_is_one_clear_message(small: Experiment, folder: Path, missing: str) -> None:
-    path = folder / "manifest.json"
-    manifest = json.loads(path.read_text())
+    entry = json.loads((folder / "manifest.json").read_text())["benchmark"]
+    write_manifest(folder, dict(entry))
+    load_results(small, folder, COMMAND)
     for value in (None, [], "x"):
-        manifest["benchmark"][missing] = value
-        path.write_text(json.dumps(manifest))
+        write_manifest(folder, {**entry, missing: value})
         with pytest.raises(DamagedFileError, match="does not say, as this version does, how files were made"):
             load_results(small, folder, COMMAND)
-    del manifest["benchmark"][missing]
-    path.write_text(json.dumps(manifest))
+    del entry[missing]
+    write_manifest(folder, entry)
     with pytest.raises(DamagedFileError, match="does not say"):
         load_folder(folder)
+
+
+def test_an_altered_manifest_is_noticed(small: Experiment, folder: Path) -> None:
+    path = folder / "manifest.json"
+    whole = path.read_text()
+    version = json.loads(whole)["benchmark"]["versions"]["numpy"]
+    for altered in (whole.replace(f'"numpy": "{version}"', '"numpy": "1.0"'), whole.replace(": 0.95", ": 0.950")):
+        assert altered != whole
+        path.write_text(altered)
+        with pytest.raises(DamagedFileError, match=r"manifest.json: is not what was written"):
+            load_results(small, folder, COMMAND)
+    seal(small, folder)
+    assert path.read_text() == whole
+    load_results(small, folder, COMMAND)
+    path.write_text(whole[:-10])
+    seal(small, folder)
+    assert path.read_text() == whole and path.with_suffix(".damaged-1").read_text() == whole[:-10]

@@ -33,7 +33,7 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.cli.progress import progress
+from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.errors import ExitCode, MissingReactionsError
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
@@ -159,9 +159,9 @@ def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Jso
     Nothing in the file is believed: every reaction is checked as if it had just been simulated, and refused if it could
     not have been. Exit code 3 if some are refused.
     """
-    found = []
-    for one in import_bundle(bundle, ReactionCache(cache)):
-        found.append(ImportedReaction(one.member, one.path, one.new, one.refused))
+    store = ReactionCache(cache)
+    found = [ImportedReaction(one.member, one.path, one.new, one.refused) for one in import_bundle(bundle, store)]
+    warn(store.damaged)
     taken, refused = sum(one.new for one in found), sum(bool(one.refused) for one in found)
     lines = [
         f"  REFUSED {one.refused}" if one.refused else f"  {one.path}{'' if one.new else ': was there'}"

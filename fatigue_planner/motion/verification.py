@@ -46,7 +46,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     does not use. Values that are not finite are counted, and no bound accepts what they make of a check.
     Raises MismatchError if the motion has another shape than the request asks for.
     """
-    _check_shape(request, motion)
+    check_shape(request, motion)
     runs = runs_of(request.tool, request.action, motion.phases)
     bodies = [build_human(request.worker, run.right_kg, run.left_kg) for run in runs]
     # where a mass is taken up or put down, the body changes and a new run begins
@@ -99,7 +99,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     )
 
 
-def _check_shape(request: MotionRequest, motion: Motion) -> None:
+def check_shape(request: MotionRequest, motion: Motion) -> None:
     """Raise MismatchError unless time step, phases and the lengths of all arrays are those of the request."""
     step = request.controller.time_step_s
     phases = phases_of(request.cycle, step)

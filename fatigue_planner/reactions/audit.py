@@ -3,6 +3,8 @@
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from fatigue_planner.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.motion.quality import Verdict
 from fatigue_planner.motion.verification import MismatchError, measure
@@ -46,6 +48,9 @@ def faults_of(reaction: Reaction) -> list[str]:
     """What a reaction's motion does not keep of what is stored of it."""
     try:
         request = request_of(reaction.name, reaction.key.settings)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        return [f"its settings are not those of this version ({'.'.join(map(str, first['loc']))}: {first['msg']})"]
     except (ValueError, KeyError, TypeError) as error:
         return [f"its settings are not those of this version ({error})"]
     try:

@@ -1,7 +1,7 @@
 """Reactions on their way to another machine: a ZIP file, not compressed, of entries of the cache.
 
-Nothing in a bundle is believed: sizes are checked before anything is read, names are only compared, and every reaction
-is checked like one that was just simulated.
+Nothing in a bundle is believed: it is read from the front, entry by entry, sizes are checked before anything is read,
+names are only compared, and every reaction is checked like one that was just simulated.
 """
 
 import struct
@@ -9,9 +9,10 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from fatigue_planner.errors import BundleError, DamagedFileError, OtherVersionError
-from fatigue_planner.files import publish, publish_bytes, writable_folder
+from fatigue_planner.files import publish, publish_bytes, set_aside, writable_folder
 from fatigue_planner.reactions.audit import faults_of
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.entry import MOST_BYTES, entry_bytes, read_entry
@@ -20,10 +21,10 @@ from fatigue_planner.reactions.reaction import ReactionRequest, file_name
 MOST_ENTRIES = 100_000
 # The same bytes whenever and wherever it is made.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
-# What Python's zipfile raises on a file that is none.
-_UNREADABLE = (
-    OSError, zipfile.BadZipFile, struct.error, ValueError, EOFError, NotImplementedError, RuntimeError, OverflowError,
-)  # fmt: skip
+# What stands before an entry: mark, version, flags, method, time, date, CRC, stored and true size, length of the name
+# and of further fields, which none of ours has.
+_HEADER = struct.Struct("<4s5H3I2H")
+_ENTRY_MARK, _END_MARKS = b"PK\3\4", (b"PK\1\2", b"PK\5\6")
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,7 @@ def export_bundle(cache: ReactionCache, requests: Sequence[ReactionRequest], bun
 def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
     """Check every entry of a bundle and take the good ones into the cache, one by one.
 
+    A damaged file in the place of a good one is set aside (see `ReactionCache.damaged`).
     Raises BundleError if the file is no bundle, OutputFolderError if the cache cannot be written.
     """
     for member, content in _entries(bundle):
@@ -63,21 +65,38 @@ def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
 
 
 def _entries(bundle: Path) -> Iterator[tuple[str, bytes]]:
+    """Name and content of every entry, from the front to the list of contents, which is not read."""
     try:
-        with zipfile.ZipFile(bundle) as archive:
-            members = archive.infolist()
-            if len(members) > MOST_ENTRIES:
-                raise BundleError(f"{bundle}: has {len(members)} entries; none of ours has more than {MOST_ENTRIES}.")
-            if sum(member.file_size for member in members) > bundle.stat().st_size:
-                raise BundleError(f"{bundle}: its entries are larger than itself; this is not one of ours.")
-            for member in members:
-                if member.compress_type != zipfile.ZIP_STORED:
-                    raise BundleError(f"{bundle}: {member.filename!r} is compressed; this is not one of ours.")
-                if member.file_size > MOST_BYTES:
-                    raise BundleError(f"{bundle}: {member.filename!r} is larger than {MOST_BYTES} bytes.")
-                yield member.filename, archive.read(member)
-    except _UNREADABLE as error:
-        raise BundleError(f"{bundle}: cannot be read as a bundle of reactions ({error}).") from error
+        if not bundle.is_file() and bundle.exists():
+            raise BundleError(f"{bundle}: is not a file.")
+        with bundle.open("rb") as file:
+            for _ in range(MOST_ENTRIES):
+                entry = _next_entry(bundle, file)
+                if entry is None:
+                    return
+                yield entry
+            if _next_entry(bundle, file) is not None:
+                raise BundleError(f"{bundle}: has more than {MOST_ENTRIES} entries; none of ours has.")
+    except OSError as error:
+        raise BundleError(f"{bundle}: cannot be read ({error.strerror}).") from error
+
+
+def _next_entry(bundle: Path, file: BinaryIO) -> tuple[str, bytes] | None:
+    start = file.read(_HEADER.size)
+    if start[:4] in _END_MARKS:
+        return None
+    if start[:4] != _ENTRY_MARK or len(start) < _HEADER.size:
+        raise BundleError(f"{bundle}: is no bundle of reactions, or was cut off.")
+    _, _, flags, method, _, _, _, stored, size, name_length, further = _HEADER.unpack(start)
+    name = file.read(name_length).decode(errors="backslashreplace")
+    if flags or method != zipfile.ZIP_STORED or stored != size or further:
+        raise BundleError(f"{bundle}: {name!r} is not stored as `fatplan cache export` does: plainly.")
+    if size > MOST_BYTES:
+        raise BundleError(f"{bundle}: {name!r} has {size} bytes; none of ours has more than {MOST_BYTES}.")
+    content = file.read(size)
+    if len(content) < size:
+        raise BundleError(f"{bundle}: was cut off in {name!r}.")
+    return name, content
 
 
 def _take(member: str, content: bytes, cache: ReactionCache) -> Imported:
@@ -94,7 +113,11 @@ def _take(member: str, content: bytes, cache: ReactionCache) -> Imported:
     if faults:
         return Imported(member, refused=f"{member!r}: {'; '.join(faults)}")
     path = cache.folder / own
-    new = not path.exists()
-    if new:
-        publish_bytes(writable_folder(cache.folder) / own, content)
-    return Imported(member, path, new)
+    if path.exists():
+        try:
+            cache.read(path)
+            return Imported(member, path)
+        except (DamagedFileError, OtherVersionError) as error:
+            cache.damaged.append(f"{error} It is set aside as {set_aside(path).name}.")
+    publish_bytes(writable_folder(cache.folder) / own, content)
+    return Imported(member, path, new=True)

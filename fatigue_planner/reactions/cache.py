@@ -5,7 +5,9 @@ experiment it was made for. It is written by the process that asked for it, whol
 left alone.
 """
 
+import os
 import re
+import stat
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +17,7 @@ from fatigue_planner.executors.executor import Executor, Lost
 from fatigue_planner.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
-from fatigue_planner.motion.verification import measure
+from fatigue_planner.motion.verification import MismatchError, check_shape, measure
 from fatigue_planner.reactions.entry import MOST_BYTES, entry_bytes, read_entry
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
 from fatigue_planner.reactions.seal import is_sealed
@@ -44,7 +46,8 @@ class ReactionCache:
 
     def files(self) -> list[Path]:
         """All entries, in the order of their names."""
-        return sorted(path for path in self.folder.glob("*.h5") if _FILE_NAME.fullmatch(path.name))
+        found = (path for path in self.folder.glob("*.h5") if _FILE_NAME.fullmatch(path.name))
+        return sorted(path for path in found if path.name.isprintable())
 
     def path(self, request: ReactionRequest) -> Path:
         """Where a reaction is published."""
@@ -74,9 +77,7 @@ class ReactionCache:
         wanted = [request for request in requests if chosen is None or request.name in chosen]
         for request, path in zip(wanted, self.paths(wanted, how), strict=True):
             try:
-                reaction = self.read(path)
-                if reaction.digest != request.digest:
-                    raise DamagedFileError(f"{path}: holds another reaction than its name says.")
+                reaction = self._read_for(request, path)
             except (DamagedFileError, OtherVersionError) as error:
                 raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
             yield replace(reaction, name=request.name)
@@ -107,8 +108,8 @@ class ReactionCache:
         by_digest = {request.digest: request for request in requests}
         places = self._places()
         outcomes: dict[str, Outcome] = {}
-        for digest in by_digest:
-            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), digest)
+        for digest, request in by_digest.items():
+            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), request)
             if reaction is not None:
                 quality = reaction.quality
                 outcomes[digest] = Outcome(reaction.name, digest, quality.kept_as(), True, quality)
@@ -135,17 +136,26 @@ class ReactionCache:
             places.setdefault(path.stem[-DIGEST_LENGTH:], []).append(path)
         return places
 
-    def _find(self, paths: Sequence[Path], digest: str) -> Reaction | None:
+    def _find(self, paths: Sequence[Path], request: ReactionRequest) -> Reaction | None:
         """The first whole reaction in some files; the others before it are set aside."""
         for path in paths:
             try:
-                reaction = self.read(path)
-                if reaction.digest == digest:
-                    return reaction
+                return self._read_for(request, path)
             except (DamagedFileError, OtherVersionError) as error:
                 aside = set_aside(path)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
         return None
+
+    def _read_for(self, request: ReactionRequest, path: Path) -> Reaction:
+        """As `read`, and the reaction is what was asked for, of the length its settings say."""
+        reaction = self.read(path)
+        if reaction.digest != request.digest:
+            raise DamagedFileError(f"{path}: holds another reaction than its name says.")
+        try:
+            check_shape(request.motion, reaction.motion)
+        except MismatchError as error:
+            raise DamagedFileError(f"{path}: {error}.") from error
+        return reaction
 
 
 @dataclass(frozen=True)
@@ -173,12 +183,18 @@ def simulated(request: ReactionRequest) -> Made:
 def read_content(path: Path) -> bytes:
     """The bytes of a file that may be one of ours. Raises DamagedFileError if it cannot be."""
     try:
-        if not path.is_file():
-            raise DamagedFileError(f"{path}: is not a file.")
-        size = path.stat().st_size
-        if size > MOST_BYTES:
-            raise DamagedFileError(f"{path}: has {size} bytes; none of ours has more than {MOST_BYTES}.")
-        return path.read_bytes()
+        # a pipe is opened, too, without waiting for somebody to write to it
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        try:
+            status = os.fstat(descriptor)
+            if not stat.S_ISREG(status.st_mode):
+                raise DamagedFileError(f"{path}: is not a file.")
+            if status.st_size > MOST_BYTES:
+                raise DamagedFileError(f"{path}: has {status.st_size} bytes; none of ours has more than {MOST_BYTES}.")
+            with os.fdopen(descriptor, "rb", closefd=False) as file:
+                return file.read(MOST_BYTES)
+        finally:
+            os.close(descriptor)
     except OSError as error:
         raise DamagedFileError(f"{path}: cannot be read ({error.strerror}).") from error
 

@@ -10,19 +10,21 @@ torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_err
                             one row per tick; attributes `units` and `columns`
 content_sha256              of all of the above
 
-What is not written by this program may be in it, too, but is never looked at: a file is read by a process of its own.
+What is not written by this program may be in it, too, but is never looked at. Nothing in a file is believed: it is read
+by a process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
 """
 
 import hashlib
 import io
 import json
 import re
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Callable
+from dataclasses import asdict, fields
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.files import canonical_json
@@ -35,6 +37,8 @@ from fatigue_planner.motion.settings import MOST_TICKS, PHASES
 from fatigue_planner.reactions.hdf5 import Array, Layout, UnreadableError, read_hdf5
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
 from fatigue_planner.reactions.seal import SEAL_BYTES, is_sealed, sealed
+
+T = TypeVar("T")
 
 # How an HDF5 file begins that leaves no room for a seal.
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
@@ -58,6 +62,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MOST_TEXT = 1_000_000
+LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
 MOST_BYTES = MOST_TICKS * _ROW_BYTES + 4 * MOST_TEXT
 
 _TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
@@ -74,11 +79,13 @@ LAYOUT = Layout(
     most_rows=MOST_TICKS,
     most_text=MOST_TEXT,
 )
+_KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MOST_TEXT)
 HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
-# What a key, a quality or a name that is none raises.
-_UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
+# What a key or a name that is none raises.
+_UNREADABLE = (ValueError, TypeError, RecursionError)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}")
 _QUALITY = TypeAdapter(Quality)
+_KEY_PARTS = {part.name for part in fields(ReactionKey)}
 
 
 def entry_bytes(reaction: Reaction) -> bytes:
@@ -109,21 +116,18 @@ def read_entry(content: bytes, source: str) -> Reaction:
     Raises OtherVersionError for a file of another format, DamagedFileError if it is not, to the bit, what was written,
     or not a reaction that could have been.
     """
-    _check_format(content, source)
-    try:
-        return _reaction(read_hdf5(content, LAYOUT), source)
-    except UnreadableError as error:
-        raise DamagedFileError(f"{source}: {error}.") from error
-    except _UNREADABLE as error:
-        raise DamagedFileError(f"{source}: is not one of our reactions ({error}).") from error
+    return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source))
 
 
 def read_key(content: bytes, source: str) -> tuple[ReactionName, ReactionKey]:
     """Name and key of the reaction in the content of a file. Raises as `read_entry`."""
+    return _parsed(content, source, _KEY_LAYOUT, lambda found: (_name(found["name"]), _key(found["key"])))
+
+
+def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[str, Array]], T]) -> T:
     _check_format(content, source)
     try:
-        found = read_hdf5(content, Layout(_TEXT, MOST_TICKS, MOST_TEXT))
-        return _name(found["name"]), _key(found["key"])
+        return parse(read_hdf5(content, layout))
     except UnreadableError as error:
         raise DamagedFileError(f"{source}: {error}.") from error
     except _UNREADABLE as error:
@@ -147,39 +151,68 @@ def _check_format(content: bytes, source: str) -> None:
 
 
 def _reaction(found: dict[str, Array], source: str) -> Reaction:
-    names = [name.decode() for name in found["phases"].tolist()]
-    ticks = found["phase_ticks"].tolist()
-    ends = [0, *(end for pair in ticks for end in pair), len(found["torque_nm"])]
-    if names != list(PHASES) or ends != sorted(ends):
-        raise ValueError(f"phases {names} at ticks {ticks}")
-    wrong = [name for name in ("time_step_s", *ARRAYS) if not np.isfinite(found[name]).all()]
+    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < LARGEST).all()]
     if wrong:
-        raise ValueError(f"{wrong[0]} is not finite")
+        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {LARGEST:.0e}")
     reaction = Reaction(
         name=_name(found["name"]),
         key=_key(found["key"]),
         motion=Motion(
-            time_step_s=float(found["time_step_s"]),
-            phases=tuple(Phase(name, *ends) for name, ends in zip(names, ticks, strict=True)),
+            time_step_s=_time_step(found["time_step_s"]),
+            phases=_phases(found["phases"], found["phase_ticks"], len(found["torque_nm"])),
             **{name: found[name] for name in ARRAYS},
         ),
-        quality=_QUALITY.validate_json(found["quality"].item(), strict=True),
+        quality=_quality(found["quality"]),
     )
     if _content_sha256(reaction).encode() != found["content_sha256"].item():
         raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
     return reaction
 
 
+def _time_step(found: Array) -> float:
+    if not found > 0:
+        raise ValueError(f"time_step_s is {float(found)}")
+    return float(found)
+
+
+def _phases(names: Array, ticks: Array, rows: int) -> tuple[Phase, ...]:
+    """One after the other, none empty, and no ticks besides."""
+    starts, stops = ticks.T.tolist()
+    right = names.tolist() == [name.encode() for name in PHASES] and [*starts, rows] == [0, *stops]
+    if not right or (ticks[:, 0] >= ticks[:, 1]).any():
+        raise ValueError(f"phases {names.tolist()} at ticks {ticks.tolist()} of {rows}")
+    return tuple(Phase(name, *ends) for name, ends in zip(PHASES, ticks.tolist(), strict=True))
+
+
 def _name(found: Array) -> ReactionName:
     name = ReactionName(*(part.decode() for part in found.tolist()))
     if not all(_NAME.fullmatch(part) for part in name):
-        raise ValueError(f"name {name}")
+        raise ValueError(f"its name is {tuple(name)}")
     return name
 
 
 def _key(found: Array) -> ReactionKey:
-    parts: dict[str, Any] = json.loads(found.item())
+    """Only the text that this program writes: no NaN, no key twice; and nothing in it that JSON has to escape."""
+    text = found.item().decode()
+    parts: Any = json.loads(text)
+    if canonical_json(parts) != text or not text.isprintable() or "\\" in text:
+        raise ValueError("its key is not as this program writes it")
+    if set(parts) != _KEY_PARTS or not all(isinstance(part, dict) for part in parts.values()):
+        raise ValueError("its key is none")
     return ReactionKey(**parts)
+
+
+def _quality(found: Array) -> Quality:
+    try:
+        quality = _QUALITY.validate_json(found.item(), strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        raise ValueError(f"quality {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    if canonical_json(asdict(quality)).encode() != found.item():
+        raise ValueError("its quality is not as this program writes it")
+    if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
+        raise ValueError("its quality names a joint that is none")
+    return quality
 
 
 def _content_sha256(reaction: Reaction) -> str:

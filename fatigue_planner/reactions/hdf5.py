@@ -2,6 +2,8 @@
 
 import atexit
 import json
+import os
+import signal
 import subprocess
 import sys
 import threading
@@ -15,16 +17,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.errors import ReaderError
+
 SCRIPT = Path(__file__).with_name("hdf5_reader.py")
-MOST_SECONDS = 60
-# Python's own start and the sending of the numbers, on a busy machine.
-PATIENCE_S = 30
+# Of the reading process's computing, so that neither a busy machine nor a stopped program makes a file unreadable.
+MOST_SECONDS = 30
+# What is waited besides, on a busy machine: for Python's own start, for the sending of content and numbers.
+PATIENCE_S = 60
+LONGEST_MESSAGE = 300
+# No filter is looked for on the disk; no threads of linear algebra, whose memory would count; memory is given back.
+_ENVIRONMENT = {
+    "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+    "MALLOC_TRIM_THRESHOLD_": "1048576",
+}  # fmt: skip
 
 Array = NDArray[Any]
 
 
 class UnreadableError(Exception):
-    """A content is not what it should be; the message says why."""
+    """A content is not what it should be; the message, one printable line, says why."""
+
+
+class _DiedError(Exception):
+    """The reading process ended before it had answered; the argument is its exit code."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +56,7 @@ class Layout:
 
 
 class _Reader:
-    """The process that reads, started when it is needed and again when a file was its end."""
+    """The process that reads, started when it is needed and again when a file was its end; for one thread at a time."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -50,28 +65,18 @@ class _Reader:
 
     def read(self, content: bytes, request: Mapping[str, Any]) -> list[Array]:
         with self._lock:
-            connection = self._connection or self._start()
             try:
-                connection.send_bytes(json.dumps(request).encode())
-                connection.send_bytes(content)
-                if not connection.poll(request["most_seconds"] + PATIENCE_S):
-                    raise TimeoutError
-                answer = json.loads(connection.recv_bytes())
-                if "error" in answer:
-                    raise UnreadableError(answer["error"])
-                return [_array(connection, *shape) for shape in answer["shapes"]]
-            except UnreadableError:
-                raise
-            except TimeoutError as error:
-                self.stop()
-                raise UnreadableError("takes too long to read") from error
-            except (OSError, EOFError) as error:
-                code = self.stop()
-                why = "takes too long to read" if code == -ALARM else f"ends the process that reads it ({code})"
-                raise UnreadableError(why) from error
+                return self._ask(content, request)
+            except _DiedError:
+                pass
+            # An earlier file may have hurt that process, or somebody have killed it: what counts is a new one's end.
+            try:
+                return self._ask(content, request)
+            except _DiedError as error:
+                raise UnreadableError(f"ends the process that reads it ({error})") from error
 
     def stop(self) -> int | None:
-        """End the process; its exit code."""
+        """End the process, if there is one; its exit code."""
         process, self._process = self._process, None
         if self._connection is not None:
             self._connection.close()
@@ -84,33 +89,74 @@ class _Reader:
             process.kill()
             return process.wait()
 
+    def forget(self) -> None:
+        """In a fork of this process: the reading process, and the lock on it, are the other one's."""
+        if self._connection is not None:
+            self._connection.close()
+        if self._process is not None:
+            self._process.returncode = 0  # nothing to be waited for
+        self.__init__()  # type: ignore[misc]
+
+    def _ask(self, content: bytes, request: Mapping[str, Any]) -> list[Array]:
+        connection = self._connection or self._start()
+        try:
+            connection.send_bytes(json.dumps(request).encode())
+            connection.send_bytes(content)
+            if not connection.poll(request["most_seconds"] + PATIENCE_S):
+                raise UnreadableError("takes too long to read")
+            answer = json.loads(connection.recv_bytes())
+            arrays = [_array(connection, *shape) for shape in answer.get("shapes", [])]
+        except (OSError, EOFError, ValueError) as error:
+            code = self.stop()
+            if code == -signal.SIGPROF:
+                raise UnreadableError("takes too long to read") from error
+            raise _DiedError(code) from error
+        except BaseException:  # an interrupt, too: the next question must not get this one's answer
+            self.stop()
+            raise
+        if "error" in answer:
+            raise UnreadableError(_one_line(answer["error"]))
+        return arrays
+
     def _start(self) -> Connection:
-        own, other = Pipe()
-        # -P: no file of the working folder is taken for a library
-        command = [sys.executable, "-P", str(SCRIPT), str(other.fileno())]
-        with other:
-            self._process = subprocess.Popen(
-                command, pass_fds=[other.fileno()], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )  # fmt: skip
-        self._connection = own
+        """Raises ReaderError if the process does not come up: that is no file's fault."""
+        try:
+            own, other = Pipe()
+            with other:
+                # -P: no file of the working folder is taken for a library; group: Ctrl-C is not meant for it
+                self._process = subprocess.Popen(
+                    [sys.executable, "-P", str(SCRIPT), str(other.fileno())], pass_fds=[other.fileno()],
+                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, process_group=0,
+                    env={**os.environ, **_ENVIRONMENT},
+                )  # fmt: skip
+            self._connection = own
+            if not own.poll(PATIENCE_S):
+                raise TimeoutError("no answer")
+            own.recv_bytes()
+        except (OSError, EOFError) as error:
+            code = self.stop()
+            why = (getattr(error, "strerror", None) or str(error)) if code is None else f"exit code {code}"
+            raise ReaderError(f"the process that reads stored reactions does not start ({why}).") from error
+        except BaseException:
+            self.stop()
+            raise
         return own
 
 
-ALARM = 14  # the signal by which the reader ends itself
 _READER = _Reader()
 atexit.register(_READER.stop)
+os.register_at_fork(after_in_child=_READER.forget)
 
 
-def read_hdf5(content: bytes, layout: Layout, most_seconds: int = MOST_SECONDS) -> dict[str, Array]:
+def read_hdf5(content: bytes, layout: Layout) -> dict[str, Array]:
     """The datasets of an HDF5 file's content, by name; what else is in it is not looked at.
 
     Raises UnreadableError if it is not of the layout, refers to other files, declares more than the layout allows, or
-    makes HDF5 crash or go on for ever.
+    makes HDF5 crash or go on for ever; ReaderError if the process that reads cannot be started.
     """
     request = {
         "datasets": dict(layout.datasets), "most_rows": layout.most_rows, "most_text": layout.most_text,
-        "most_seconds": most_seconds,
+        "most_seconds": MOST_SECONDS,
     }  # fmt: skip
     return dict(zip(layout.datasets, _READER.read(content, request), strict=True))
 
@@ -119,3 +165,8 @@ def _array(connection: Connection, kind: str, shape: list[int]) -> Array:
     dtype = np.dtype(kind)
     size = int(np.prod(shape)) * dtype.itemsize
     return np.frombuffer(connection.recv_bytes(size), dtype).reshape(shape)
+
+
+def _one_line(text: str) -> str:
+    """A message that may repeat parts of the file, fit for a terminal."""
+    return "".join(sign if sign.isprintable() else "?" for sign in text[:LONGEST_MESSAGE])

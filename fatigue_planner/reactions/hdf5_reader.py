@@ -3,12 +3,13 @@
 Run as a script with the file descriptor of a connection; it imports nothing of fatplan. A request is two messages: JSON
 with `datasets`, the name, type and shape of everything to be read (a None in a shape stands for any number up to
 `most_rows`, the same in all datasets that have one), and the content of the file. The answer is JSON, either `error` or
-the shapes and, after it, the bytes of every dataset.
+the shapes and, after it, the bytes of every dataset. A first message, empty, says that it is ready.
 
 The file is never opened by its name: what it says of other files leads nowhere, and is refused before.
 """
 
 import json
+import math
 import resource
 import signal
 import sys
@@ -18,8 +19,10 @@ from typing import Any
 import h5py
 import numpy as np
 
-# The largest content read and all that is made of it; checked before, so this is the second line.
-MOST_MEMORY_BYTES = 3 * 2**30
+# Address space: of Python and its libraries; for copies of the content; for copies of the numbers, once it is checked
+# how many are declared. It stops what HDF5 does not check, such as a compressed piece that grows without end.
+OWN_BYTES = 400 * 2**20
+COPIES = 3
 # What compresses and checks numbers; any other filter would be code from elsewhere.
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
 TYPES = {"f8": np.dtype("<f8"), "i8": np.dtype("<i8")}
@@ -32,6 +35,7 @@ class RefusedError(Exception):
 def read(content: bytes, request: dict[str, Any]) -> list[np.ndarray[Any, Any]]:
     """The datasets that are asked for. Raises RefusedError, or whatever HDF5 raises."""
     wanted = request["datasets"]
+    _limit_memory(len(content))
     with h5py.File.in_memory(content) as file:
         found = [_checked(file, name, kind) for name, (kind, _) in wanted.items()]
         rows: set[int] = set()
@@ -41,7 +45,14 @@ def read(content: bytes, request: dict[str, Any]) -> list[np.ndarray[Any, Any]]:
                 raise RefusedError(f"{name} is longer than {request['most_text']} bytes")
         if len(rows) > 1:
             raise RefusedError(f"its arrays have different lengths: {sorted(rows)}")
+        _limit_memory(len(content) + sum(math.prod(one.shape) * one.dtype.itemsize for one in found))
         return [np.asarray(dataset[()]) for dataset in found]
+
+
+def _limit_memory(size: int) -> None:
+    most = OWN_BYTES + COPIES * size
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
 def _checked(file: h5py.File, name: str, kind: str) -> h5py.Dataset:
@@ -66,9 +77,9 @@ def _check_shape(dataset: h5py.Dataset, name: str, shape: list[int | None], most
     fits = dataset.shape is not None and len(dataset.shape) == len(shape)
     if not fits or any(asked not in (None, size) for asked, size in zip(shape, dataset.shape, strict=True)):
         raise RefusedError(f"{name} has the shape {dataset.shape}")
-    if any(size > most_rows for size in dataset.shape):
-        raise RefusedError(f"{name} has {max(dataset.shape)} rows, more than {most_rows}")
-    if dataset.chunks is not None and int(np.prod(dataset.chunks)) > 2 * max(int(np.prod(dataset.shape)), 1):
+    if shape[:1] == [None] and dataset.shape[0] > most_rows:
+        raise RefusedError(f"{name} has {dataset.shape[0]} rows, more than {most_rows}")
+    if dataset.chunks is not None and math.prod(dataset.chunks) > 2 * max(math.prod(dataset.shape), 1):
         raise RefusedError(f"{name} is stored in pieces larger than itself")
     if shape[:1] == [None]:
         rows.add(dataset.shape[0])
@@ -91,19 +102,19 @@ def _answer(connection: Connection, content: bytes, request: dict[str, Any]) -> 
 
 def main(descriptor: int) -> None:
     """Answer requests until the other end is closed."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY_BYTES, MOST_MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     connection = Connection(descriptor)
+    connection.send_bytes(b"")
     while True:
         try:
             request = json.loads(connection.recv_bytes())
             content = connection.recv_bytes()
         except EOFError:
             return
-        signal.alarm(request["most_seconds"])  # ends this process, whatever it is doing
+        signal.setitimer(signal.ITIMER_PROF, request["most_seconds"])  # ends this process, whatever it computes
         _answer(connection, content, request)
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        del content  # may be large, and the next request may be long in coming
 
 
 if __name__ == "__main__":
