@@ -15,7 +15,7 @@ from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.errors import BundleError, DamagedFileError, FatplanError, OtherVersionError
 from fatigue_planner.executors.processes import LocalProcesses
-from fatigue_planner.experiment.resolve import cycle_profiles
+from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.results import load_results
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, selected
@@ -46,7 +46,7 @@ def kept(
     """One folder with every kind of file."""
     folder = tmp_path_factory.mktemp("kept")
     shutil.copytree(cache_folder, folder / "cache")
-    export_bundle(ReactionCache(cache_folder).files()[:1], folder / "bundle.zip")
+    export_bundle(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "bundle.zip", "fatplan simulate")
     publish(small, reactions, folder / "results")
     run_grid(grid[:1], folder / "trials", LocalProcesses(1), lambda cell, n: None)
     run_bounds(grid[:1], folder / "bounds", LocalProcesses(1), lambda: None)
