@@ -26,7 +26,7 @@ class Cluster:
         self.workers: list[subprocess.Popen[bytes]] = []
         file = folder / "scheduler.json"
         options = ["--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)]
-        options += ["--idle-timeout", "300 seconds"]  # ends, and with it the workers, whatever becomes of the tests
+        options += ["--idle-timeout", "3600 seconds"]  # ends, and with it the workers, whatever becomes of the tests
         self.scheduler = self._start("scheduler", [*options, "--protocol", scheme], {})
         deadline = time.monotonic() + 30
         while not file.exists():

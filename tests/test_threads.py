@@ -2,7 +2,9 @@
 
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
+from hashlib import sha256
 from pathlib import Path
 
 import numba
@@ -10,6 +12,8 @@ import pytest
 
 from fatigue_planner.compiled import specialised
 from fatigue_planner.planners.leaf_values.bound import problem_bound
+from fatigue_planner.reactions.entry import entry_bytes
+from fatigue_planner.reactions.reaction import Reaction
 
 PARTS = [numba.njit(eval(f"lambda x: x + {number}")) for number in range(40)]
 
@@ -45,3 +49,21 @@ def test_kernels_made_in_threads_are_the_same_and_kept_in_one_place(hasty: None)
     assert before == numba.config.CACHE_DIR
     assert all(one == made[0] for one in made)
     assert {Path(before)} == {Path(kernel._cache.cache_path).parents[1] for kernel in made[0]}
+
+
+def test_a_reaction_has_the_same_bytes_whoever_looks_on(reactions: tuple[Reaction, ...], hasty: None) -> None:
+    """A profiler, as a Dask worker has one, holds what functions have finished with a little longer."""
+    expected = sha256(entry_bytes(reactions[0])).hexdigest()
+    end, held = threading.Event(), deque[object](maxlen=50)
+
+    def look_on() -> None:
+        while not end.is_set():
+            held.append(sys._current_frames())
+
+    watcher = threading.Thread(target=look_on)
+    watcher.start()
+    try:
+        assert {sha256(entry_bytes(reactions[0])).hexdigest() for _ in range(10)} == {expected}
+    finally:
+        end.set()
+        watcher.join()

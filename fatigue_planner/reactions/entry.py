@@ -107,6 +107,7 @@ def entry_bytes(reaction: Reaction) -> bytes:
             )
             data.attrs["units"] = units
             data.attrs["columns"] = columns
+            file.flush()  # else where it stands in the file depends on when Python lets go of it
     return sealed(content.getvalue())
 
 
