@@ -126,7 +126,6 @@ def _changed_bytes(rng: random.Random, content: bytes) -> bytes:
             data[span] = rng.choice(SNIPPETS)
         elif change == 4:
             data[start:start] = data[span] * rng.choice((1, 2, 50))
-            del data[LARGEST_BYTES:]  # or its own inputs would fill the memory that is measured
         elif change == 5:
             other = (EXPERIMENTS / f"{rng.choice(ALL_SOURCES)}.yaml").read_bytes()
             begin = rng.randrange(len(other))
@@ -155,11 +154,16 @@ def _changed_structure(rng: random.Random, content: Any) -> Any:
     elif change == 5 and isinstance(other, dict):
         other[_renamed(rng, str(key), other_key)] = copy.deepcopy(holder[key])
     elif isinstance(holder, dict):
-        for copies in range(rng.choice((1, 10, 300))):
+        for copies in range(min(rng.choice((1, 10, 300)), _room(holder[key]))):
             holder[f"{key}_{copies}"] = holder[key]
     else:
-        holder[key:key] = [holder[key]] * rng.choice((1, 10, 3000))
+        holder[key:key] = [holder[key]] * min(rng.choice((1, 10, 3000)), _room(holder[key]))
     return content
+
+
+def _room(value: Any) -> int:
+    """How many copies of a value may be made, so that it is not the fuzzer's own memory that is measured."""
+    return LARGEST_BYTES // len(json.dumps(value))
 
 
 def _near(rng: random.Random, value: Any) -> Any:
