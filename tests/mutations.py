@@ -155,9 +155,10 @@ def _changed_structure(rng: random.Random, content: Any) -> Any:
         other[_renamed(rng, str(key), other_key)] = copy.deepcopy(holder[key])
     elif isinstance(holder, dict):
         for copies in range(min(rng.choice((1, 10, 300)), _room(holder[key]))):
-            holder[f"{key}_{copies}"] = holder[key]
+            holder[f"{key}_{copies}"] = copy.deepcopy(holder[key])
     else:
-        holder[key:key] = [holder[key]] * min(rng.choice((1, 10, 3000)), _room(holder[key]))
+        count = min(rng.choice((1, 10, 3000)), _room(holder[key]))
+        holder[key:key] = [copy.deepcopy(holder[key]) for _ in range(count)]
     return content
 
 
