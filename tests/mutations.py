@@ -35,6 +35,7 @@ SOURCES = {
 }
 ALL_SOURCES = [name for names in SOURCES.values() for name in names]
 LONGEST_S = 2.0
+LARGEST_BYTES = 1_000_000
 GOOD_ENDS = ("read", "refused")
 
 SNIPPETS = [
@@ -153,11 +154,17 @@ def _changed_structure(rng: random.Random, content: Any) -> Any:
     elif change == 5 and isinstance(other, dict):
         other[_renamed(rng, str(key), other_key)] = copy.deepcopy(holder[key])
     elif isinstance(holder, dict):
-        for copies in range(rng.choice((1, 10, 300))):
-            holder[f"{key}_{copies}"] = holder[key]
+        for copies in range(min(rng.choice((1, 10, 300)), _room(holder[key]))):
+            holder[f"{key}_{copies}"] = copy.deepcopy(holder[key])
     else:
-        holder[key:key] = [holder[key]] * rng.choice((1, 10, 3000))
+        count = min(rng.choice((1, 10, 3000)), _room(holder[key]))
+        holder[key:key] = [copy.deepcopy(holder[key]) for _ in range(count)]
     return content
+
+
+def _room(value: Any) -> int:
+    """How many copies of a value may be made, so that it is not the fuzzer's own memory that is measured."""
+    return LARGEST_BYTES // len(json.dumps(value))
 
 
 def _near(rng: random.Random, value: Any) -> Any:
