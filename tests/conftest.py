@@ -1,9 +1,13 @@
-"""What several tests share: the paper's experiment and its reactions, simulated once per session."""
+"""What several tests share: the paper's experiment, its reactions, simulated once per session, and keys of results."""
 
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from fatigue_planner import files
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -31,3 +35,39 @@ def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) ->
 @pytest.fixture(scope="session")
 def reactions(paper: Experiment, cache_folder: Path) -> tuple[Reaction, ...]:
     return load_reactions(paper, cache_folder, "fatplan simulate")
+
+
+class Machine:
+    """What a key of results is made from besides settings: the package's sources, here a copy, and its libraries.
+
+    With a file or a library's version changed the key is taken again; the change is then undone.
+    """
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.folder = folder
+        self._monkeypatch = monkeypatch
+
+    def with_another_file(self, file: str, key: Callable[[], str]) -> str:
+        path = self.folder / file
+        text = path.read_bytes()
+        path.write_bytes(text + b"\n# changed\n")
+        files.digest_of_package.cache_clear()
+        changed = key()
+        path.write_bytes(text)
+        files.digest_of_package.cache_clear()
+        return changed
+
+    def with_another_version(self, module: ModuleType, library: str, key: Callable[[], str]) -> str:
+        installed = module.version
+        with self._monkeypatch.context() as patch:
+            patch.setattr(module, "version", lambda name: installed(name) + (".1" if name == library else ""))
+            return key()
+
+
+@pytest.fixture
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Machine]:
+    folder = Path(shutil.copytree(files.PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__")))
+    monkeypatch.setattr(files, "PACKAGE", folder)
+    files.digest_of_package.cache_clear()
+    yield Machine(folder, monkeypatch)
+    files.digest_of_package.cache_clear()

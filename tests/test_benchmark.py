@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PAPER
+from conftest import PAPER, Machine
 
+from fatigue_planner.benchmark import grid
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.replay import replay
 from fatigue_planner.benchmark.runner import run_grid
@@ -124,6 +125,27 @@ def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell])
     assert abs(np.corrcoef(planner, chance)[0, 1]) < 5 / np.sqrt(1000)  # false alarm 6e-7
 
 
+def test_every_run_plans_with_draws_of_its_own(cells: list[Cell], monkeypatch: pytest.MonkeyPatch) -> None:
+    """No number a policy draws is drawn by another one, in another run or by the world."""
+    drawn: list[float] = []
+
+    class Drawing(Fixed):
+        def observe(self, action: int, observation: int) -> None:
+            drawn.extend(self.numbers)
+
+        def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
+            self.numbers = rng.random(5)
+            return super().act(belief, rng)
+
+    monkeypatch.setattr(grid, "build_policy", lambda _: Drawing(0))
+    for cell in cells:
+        cell.run([0, 1])
+    for key in {(cell.seed, cell.condition, cell.n_cycles) for cell in cells}:
+        for world in (draw_world(*key, trial) for trial in (0, 1)):
+            drawn += [*world.worker, world.start, *world.preference, *world.observation]
+    assert len(set(drawn)) == len(drawn) > 10 * len(cells)
+
+
 def test_novices_choose_evenly_and_start_with_the_initial_probabilities(cells: list[Cell]) -> None:
     """Reactions and starts counted from what runs came to; binomial and chi-square, false alarm 1e-6 each."""
     from scipy.stats import binomtest, chisquare
@@ -211,6 +233,17 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
     ]  # fmt: skip
     assert len({cell.digest(), *(other.digest() for other in others)}) == 1 + len(others)
     assert replace(cell, trials=99).digest() == cell.digest()
+
+
+def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: Machine) -> None:
+    key = cells[0].digest
+    same = key()
+    files = ("fatigue/cycle_map.py", "pomdp/beliefs/exact.py", "planners/pomcp.py", "benchmark/trial.py", "streams.py")
+    keys = [machine.with_another_file(file, key) for file in files]
+    keys += [machine.with_another_version(grid, name, key) for name in ("numpy", "numba")]
+    assert len({same, *keys}) == len(keys) + 1
+    for file in ("motion/simulator.py", "statistics/pairing.py", "cli/benchmark.py"):
+        assert machine.with_another_file(file, key) == same
 
 
 def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path) -> None:
