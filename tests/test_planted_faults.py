@@ -1,6 +1,7 @@
 """Do the tests see anything? A fault planted in a copy of the sources must make one of the tests named for it fail.
 
-`pytest -m '' --dist load tests/test_planted_faults.py` spreads the faults over the cores.
+`pytest -m '' --dist load tests/test_planted_faults.py` spreads the faults over the cores; with `--junitxml FILE`
+the file says which test has seen each.
 """
 
 import os
@@ -9,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -49,18 +50,16 @@ def run_tests(folder: Path, tests: list[str]) -> list[Ran]:
     """Run some of the copy's tests until one fails, with the copy's package and compiled code of its own."""
     outside = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     report = folder / "report.xml"
+    options = ["-n", "0", "-x", "-p", "no:cacheprovider", "--basetemp", folder / "temporary", "--junitxml", report]
     done = subprocess.run(
-        [
-            sys.executable, "-m", "pytest", "-n", "0", "-x", "-p", "no:cacheprovider", "--basetemp", folder / "temporary",
-            "--junitxml", report, *(f"tests/{test}" for test in tests),
-        ],
+        [sys.executable, "-m", "pytest", *options, *(f"tests/{test}" for test in tests)],
         cwd=folder,
         env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")},
         capture_output=True,
         text=True,
         timeout=LONGEST_S,
         check=False,
-    )  # fmt: skip
+    )
     assert done.returncode in {0, 1}, done.stdout + done.stderr
     ran = []
     for case in ET.parse(report).iter("testcase"):
@@ -80,7 +79,7 @@ def test_every_fault_can_still_be_planted() -> None:
         compile(text.replace(fault.old, fault.new), fault.file, "exec")
         assert fault.old != fault.new and fault.tests, fault.name
         for test in fault.tests:
-            file, _, function = test.partition("::")
+            file, function = test.split("::")
             assert f"def {function}(" in (ROOT / "tests" / file).read_text(encoding="utf-8"), test
 
 
@@ -93,7 +92,7 @@ def test_without_a_fault_the_tests_pass(copy: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "_"))
-def test_a_planted_fault_is_seen(copy: Path, fault: Fault) -> None:
+def test_a_planted_fault_is_seen(copy: Path, fault: Fault, record_property: Callable[[str, object], None]) -> None:
     path = copy / "fatigue_planner" / fault.file
     text = path.read_text(encoding="utf-8")
     assert text.count(fault.old) == 1
@@ -101,3 +100,4 @@ def test_a_planted_fault_is_seen(copy: Path, fault: Fault) -> None:
     failures = [one for one in run_tests(copy, list(fault.tests)) if one.failure]
     assert failures, f"{fault.name}: no test fails"
     assert all(FOUND.match(one.failure) for one in failures), failures
+    record_property("seen by", failures[0].name)
