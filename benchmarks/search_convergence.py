@@ -16,10 +16,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from fatigue_planner.compiled import compiled
+from fatigue_planner.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.figures.style import COLOURS, MARKERS, new_figure, publish_png
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.pomcp import PomcpPolicy
 from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
@@ -67,7 +67,7 @@ ENDING = Dynamics(probabilities_before_the_end, advance_to_the_end, recognition_
 def single_novice() -> ExactBelief:
     """The paper's condition, with an end."""
     paper = load_experiment(ROOT / "experiments" / "paper.yaml")
-    ReactionCache(ROOT / "cache").complete(paper.name, reaction_requests(paper), available_cores(), lambda _: None)
+    ReactionCache(ROOT / "cache").complete(reaction_requests(paper), LocalProcesses(available_cores()), lambda _: None)
     profiles = load_cycle_profiles(paper, ROOT / "cache", "fatplan simulate")
     one = situation(paper, profiles, paper.benchmark.conditions["single_novice"])
     model = replace(one.model, arrays=Ending(one.model.arrays, CYCLES), dynamics=ENDING)

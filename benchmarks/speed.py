@@ -20,15 +20,15 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 
 import numpy as np
 
+from fatigue_planner.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.cache import ReactionCache, simulated
 
 ROOT = Path(__file__).parents[1]
 EXPERIMENTS, CACHE = ROOT / "experiments", ROOT / "cache"
@@ -102,7 +102,7 @@ def library(grid: Experiment) -> None:
     for jobs, count in ((1, 25), (CORES, 25), (CORES, 50), (CORES, 75)):
         with tempfile.TemporaryDirectory() as folder:
             begin = time.perf_counter()
-            _, outcomes = ReactionCache(Path(folder)).complete(grid.name, requests[:count], jobs, lambda _: None)
+            outcomes = ReactionCache(Path(folder)).complete(requests[:count], LocalProcesses(jobs), lambda _: None)
             seconds[jobs, count] = time.perf_counter() - begin
         assert all(outcome.verdict == "ok" for outcome in outcomes)
         own, workers = (
@@ -114,18 +114,11 @@ def library(grid: Experiment) -> None:
         )
     # the processes' start is the same whatever the number: the slope is what a reaction costs
     marginal = (seconds[CORES, 75] - seconds[CORES, 25]) / 50
-    whole = interleaved({"one": lambda: _one(requests[0])}, 3)["one"]
+    whole = interleaved({"one": lambda: simulated(requests[0])}, 3)["one"]
     efficiency = seconds[1, 25] / (CORES * seconds[CORES, 25])
     print(f"parallel efficiency on {CORES} cores with 25 reactions, start included: {efficiency:.0%}; ")
     print(f"one more reaction costs {marginal * 1e3:.0f} ms on {CORES} cores; alone {whole * 1e3:.0f} ms: "
           f"{whole / (CORES * marginal):.0%}")  # fmt: skip
-
-
-def _one(request: object) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        from fatigue_planner.reactions.cache import _simulate_and_keep  # noqa: PLC0415
-
-        _simulate_and_keep((request, Path(folder) / "one.h5"))
 
 
 def decide(belief: Belief, settings: PolicySettings) -> None:
@@ -135,7 +128,7 @@ def decide(belief: Belief, settings: PolicySettings) -> None:
 def searches(paper: Experiment) -> None:
     """One decision of every search against POMCP's with c = 0.1."""
     requests = reaction_requests(paper)
-    ReactionCache(CACHE).complete(paper.name, requests, CORES, lambda _: None)
+    ReactionCache(CACHE).complete(requests, LocalProcesses(CORES), lambda _: None)
     profiles = load_cycle_profiles(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
         one = situation(paper, profiles, paper.benchmark.conditions[condition])

@@ -37,12 +37,16 @@ class SelectionError(FatplanError):
     """An option of the command line selects something the experiment does not have."""
 
 
-class MissingLibraryError(FatplanError):
+class MissingReactionsError(FatplanError):
     """The reactions an experiment needs have not been simulated."""
 
 
+class BundleError(FatplanError):
+    """A file is not a bundle of reactions."""
+
+
 class OtherVersionError(FatplanError):
-    """A reaction library was written by a version of fatplan with another file format."""
+    """A reaction was written by a version of fatplan with another file format."""
 
 
 class OutputFolderError(FatplanError):
@@ -67,8 +71,8 @@ class StaleTableError(FatplanError):
     """The table of trials was made with other settings than the experiment has now."""
 
 
-class LostWorkerError(FatplanError):
-    """A worker process was killed from outside."""
+class LostWorkError(FatplanError):
+    """Some work kills the process that does it."""
 
     exit_code = ExitCode.FAILED_PARTS
 

@@ -79,6 +79,11 @@ def publish_text(path: Path, text: str) -> None:
     publish(path, lambda temporary: temporary.write_text(text, encoding="utf-8", newline="\n"))
 
 
+def publish_bytes(path: Path, content: bytes) -> None:
+    """Publish a binary file (see `publish`)."""
+    publish(path, lambda temporary: temporary.write_bytes(content))
+
+
 def publish_csv(path: Path, table: "pd.DataFrame") -> None:
     """Publish a table without its index, the same bytes on every system (see `publish`)."""
     publish_text(path, table.to_csv(index=False, lineterminator="\n"))
@@ -124,7 +129,15 @@ def digest_of_files(paths: Iterable[Path]) -> str:
 
 
 @cache
-def digest_of_package(*parts: str) -> str:
-    """SHA-256, in hex, of the source and data files of sub-packages and modules of fatigue_planner."""
+def digests_of_package(*parts: str) -> dict[str, str]:
+    """SHA-256, in hex, of the source and data files of sub-packages and modules of fatigue_planner, by their path."""
     below = [path for part in parts for path in (PACKAGE / part).rglob("*") if path.suffix in {".py", ".yaml"}]
-    return digest_of_files([*below, *(PACKAGE / part for part in parts if part.endswith(".py"))])
+    found = [*below, *(PACKAGE / part for part in parts if part.endswith(".py"))]
+    return {
+        path.relative_to(PACKAGE).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(found)
+    }
+
+
+def digest_of_package(*parts: str) -> str:
+    """SHA-256, in hex, of all of these files and their paths."""
+    return digest_of(digests_of_package(*parts))

@@ -8,11 +8,12 @@ from types import ModuleType
 import pytest
 
 from fatigue_planner import files
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, versions
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
@@ -25,9 +26,9 @@ def paper() -> Experiment:
 
 @pytest.fixture(scope="session")
 def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache with the paper's library, made by the real simulation."""
+    """A cache with the paper's reactions, made by the real simulation."""
     folder = tmp_path_factory.mktemp("cache")
-    _, outcomes = ReactionCache(folder).complete(paper.name, reaction_requests(paper), 2, lambda _: None)
+    outcomes = ReactionCache(folder).complete(reaction_requests(paper), LocalProcesses(2), lambda _: None)
     assert [outcome.failure for outcome in outcomes] == [""] * 4
     return folder
 
@@ -51,23 +52,33 @@ class Machine:
         path = self.folder / file
         text = path.read_bytes()
         path.write_bytes(text + b"\n# changed\n")
-        files.digest_of_package.cache_clear()
+        forget()
         changed = key()
         path.write_bytes(text)
-        files.digest_of_package.cache_clear()
+        forget()
         return changed
 
     def with_another_version(self, module: ModuleType, library: str, key: Callable[[], str]) -> str:
         installed = module.version
         with self._monkeypatch.context() as patch:
             patch.setattr(module, "version", lambda name: installed(name) + (".1" if name == library else ""))
-            return key()
+            forget()
+            changed = key()
+        forget()
+        return changed
 
 
 @pytest.fixture
 def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Machine]:
     folder = Path(shutil.copytree(files.PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__")))
-    monkeypatch.setattr(files, "PACKAGE", folder)
-    files.digest_of_package.cache_clear()
-    yield Machine(folder, monkeypatch)
-    files.digest_of_package.cache_clear()
+    with monkeypatch.context() as patch:
+        patch.setattr(files, "PACKAGE", folder)
+        forget()
+        yield Machine(folder, monkeypatch)
+    forget()
+
+
+def forget() -> None:
+    """Look at sources and versions again."""
+    files.digests_of_package.cache_clear()
+    versions.cache_clear()

@@ -33,6 +33,7 @@ from fatigue_planner.benchmark.table import (
 from fatigue_planner.benchmark.trial import TrialResult, run_trial
 from fatigue_planner.benchmark.world import World, draw_world
 from fatigue_planner.errors import DamagedFileError, MissingTableError, SelectionError
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import choose
@@ -200,7 +201,7 @@ def test_what_is_deterministic_is_run_once(cells: list[Cell]) -> None:
 
 
 def table_bytes(cells: list[Cell], store: Path, out: Path, jobs: int) -> bytes:
-    results, warnings = run_grid(cells, store, jobs, lambda cell, n: None)
+    results, warnings = run_grid(cells, store, LocalProcesses(jobs), lambda cell, n: None)
     assert warnings == []
     publish_table(out, trial_table(cells, results), [TRIALS_FILE, ACTIONS_FILE])
     return b"".join((out / name).read_bytes() for name in (TRIALS_FILE, ACTIONS_FILE))
@@ -224,9 +225,9 @@ def test_more_trials_reuse_the_first_ones(cells: list[Cell], tmp_path: Path) -> 
     from dataclasses import replace
 
     few = [replace(cells[0], trials=3)]
-    run_grid(few, tmp_path, 1, lambda cell, n: None)
+    run_grid(few, tmp_path, LocalProcesses(1), lambda cell, n: None)
     first = sorted(path.name for path in tmp_path.glob("*/*.json"))
-    results, _ = run_grid([cells[0]], tmp_path, 1, lambda cell, n: None)
+    results, _ = run_grid([cells[0]], tmp_path, LocalProcesses(1), lambda cell, n: None)
     assert sorted(results[0]) == list(range(12))
     assert first == ["0-2.json"] and (tmp_path / cells[0].digest()[:16] / "3-7.json").exists()
 
@@ -256,28 +257,35 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
 def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: Machine) -> None:
     key = cells[0].digest
     same = key()
-    files = ("fatigue/cycle_map.py", "pomdp/beliefs/exact.py", "planners/pomcp.py", "benchmark/trial.py", "streams.py")
+    files = (
+        "fatigue/cycle_map.py",
+        "pomdp/beliefs/exact.py",
+        "planners/pomcp.py",
+        "benchmark/trial.py",
+        "streams.py",
+        "compiled.py",
+    )
     keys = [machine.with_another_file(file, key) for file in files]
-    keys += [machine.with_another_version(grid, name, key) for name in ("numpy", "numba")]
+    keys += [machine.with_another_version(grid, name, key) for name in ("numpy", "numba", "scipy")]
     assert len({same, *keys}) == len(keys) + 1
     for file in ("motion/simulator.py", "statistics/pairing.py", "cli/benchmark.py"):
         assert machine.with_another_file(file, key) == same
 
 
 def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path) -> None:
-    run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
     part = sorted(tmp_path.glob("*/*.json"))[0]
     intact = json.loads(part.read_text())["trials"]
     for count, damage in enumerate(("{", '{"sha256": "0"}', "[]", ""), start=1):
         part.write_text(damage)
-        results, warnings = run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+        results, warnings = run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
         assert len(warnings) == 1 and "set aside" in warnings[0]
         assert part.with_suffix(f".damaged-{count}").exists()
         assert results[0][0].discounted_return == intact[0]["discounted_return"]
 
 
 def test_a_part_of_another_cell_is_set_aside(cells: list[Cell], tmp_path: Path) -> None:
-    run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
     ours, theirs = (tmp_path / cell.digest()[:16] for cell in cells[:2])
     ours.rename(theirs)
     store = TrialStore(tmp_path)
@@ -285,7 +293,7 @@ def test_a_part_of_another_cell_is_set_aside(cells: list[Cell], tmp_path: Path) 
 
 
 def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Path) -> None:
-    run_grid(cells[:1], tmp_path, 1, lambda cell, n: None)
+    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
     part = sorted(tmp_path.glob("*/*.json"))[0]
     whole = part.read_bytes()
     for place in range(0, len(whole), 7):
@@ -311,7 +319,7 @@ def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell]
 def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path) -> None:
     with pytest.raises(MissingTableError, match="fatplan benchmark"):
         read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")
-    results, _ = run_grid(cells[:2], tmp_path / "parts", 1, lambda cell, n: None)
+    results, _ = run_grid(cells[:2], tmp_path / "parts", LocalProcesses(1), lambda cell, n: None)
     made = trial_table(cells[:2], results)
     publish_table(tmp_path, made, [TRIALS_FILE])
     table = read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")

@@ -19,6 +19,7 @@ from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import OUTCOMES, trial_table
 from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.errors import ExperimentError
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.schema import Experiment
@@ -484,7 +485,7 @@ def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
         for name, known in (("noisy", in_mind(CONTINUOUS, NOISY)), ("sharp", in_mind(CONTINUOUS)))
     ]
     here = [cell.run(range(10)) for cell in cells]
-    elsewhere, _ = run_grid(cells, tmp_path, 2, lambda cell, n: None)
+    elsewhere, _ = run_grid(cells, tmp_path, LocalProcesses(2), lambda cell, n: None)
     one, two = (trial_table(cells, results)[OUTCOMES].to_numpy() for results in (here, elsewhere))
     np.testing.assert_array_equal(one, two)
     assert len(np.unique(one[:, 0])) == 20

@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 PACKAGE = Path(__file__).parents[1] / "fatigue_planner"
-FOUNDATION = ["errors", "files", "settings", "compiled", "parallel", "provenance", "streams", "yaml_reader"]
+FOUNDATION = ["errors", "files", "settings", "compiled", "provenance", "streams", "yaml_reader"]
 LAYERS = [
-    "human", "exports", "motion", "reactions", "fatigue", "pomdp", "bounds", "planners", "benchmark", "statistics",
-    "experiment", "claims", "sensitivity", "figures", "reports", "viewer", "cli",
+    "executors", "human", "exports", "motion", "reactions", "fatigue", "pomdp", "bounds", "planners", "benchmark",
+    "statistics", "experiment", "claims", "sensitivity", "figures", "reports", "viewer", "cli",
 ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from fatigue_planner.benchmark.table import REGRET_FILE, REGRETS, publish_table,
 from fatigue_planner.benchmark.trial import cycle_of
 from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.errors import ExperimentError
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.effort import check_effort
@@ -77,8 +78,8 @@ def test_the_reference_loses_nothing(situations: dict[str, Situation]) -> None:
 
 def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_path: Path) -> None:
     own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
-    first, _ = run_grid([own], tmp_path / "parts", 1, lambda _job, _n: None)
-    again, _ = run_grid([own], tmp_path / "parts", 1, lambda _job, _n: None)
+    first, _ = run_grid([own], tmp_path / "parts", LocalProcesses(1), lambda _job, _n: None)
+    again, _ = run_grid([own], tmp_path / "parts", LocalProcesses(1), lambda _job, _n: None)
     assert first == again == [own.run(range(3))]
     publish_table(tmp_path, regret_rows([own.cell], first), [REGRET_FILE])
     table = read_table(tmp_path, REGRET_FILE, "fatplan benchmark")
@@ -91,8 +92,8 @@ def test_regret_of_other_actions_is_measured_again(situations: dict[str, Situati
     """A policy with a time budget may act otherwise when its runs are made again."""
     own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
     other = replace(own, actions={trial: tuple(1 - action for action in own.actions[trial]) for trial in own.actions})
-    (first,), _ = run_grid([own], tmp_path, 1, lambda _job, _n: None)
-    (second,), _ = run_grid([other], tmp_path, 1, lambda _job, _n: None)
+    (first,), _ = run_grid([own], tmp_path, LocalProcesses(1), lambda _job, _n: None)
+    (second,), _ = run_grid([other], tmp_path, LocalProcesses(1), lambda _job, _n: None)
     assert second == other.run(range(3)) and all(second[trial] != first[trial] for trial in first)
 
 
@@ -144,9 +145,9 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
     one = situations["single_expert"]
     cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
     done = []
-    first = run_bounds(cells, tmp_path, 2, lambda: done.append(1))
+    first = run_bounds(cells, tmp_path, LocalProcesses(2), lambda: done.append(1))
     assert len(done) == 2 and list(first["exact"]) == [True, True]
-    again = run_bounds(cells, tmp_path, 1, lambda: done.append(1))
+    again = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: done.append(1))
     pd.testing.assert_frame_equal(first, again)
     belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
     for n, bound in zip((2, 4), first["cost_bound"], strict=True):
@@ -154,7 +155,7 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
         assert -whole.values(belief, np.random.default_rng(0)).max() == pytest.approx(bound, rel=1e-9)
     (damaged, *_) = tmp_path.glob("*.json")
     damaged.write_text(damaged.read_text().replace("cost", "c0st"))
-    pd.testing.assert_frame_equal(first, run_bounds(cells, tmp_path, 1, lambda: None))
+    pd.testing.assert_frame_equal(first, run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None))
     assert list(tmp_path.glob("*.damaged-1"))
 
 

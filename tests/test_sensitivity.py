@@ -17,6 +17,7 @@ from fatigue_planner.benchmark.estimate import decisions_left, estimated_seconds
 from fatigue_planner.claims.answers import Answer, Verdict
 from fatigue_planner.claims.loader import load_claims
 from fatigue_planner.errors import ExperimentError
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import cells
@@ -217,7 +218,7 @@ def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, own_cache
     points = [point for point in design(study) if point.design != "space filling"]
     assert [point.experiment is None for point in points] == [False, False, True, True]
     assert "together measure" in points[3].reason
-    reacted = react("tiny", points, ReactionCache(own_cache), 2, lambda _: None, "again")
+    reacted = react(points, ReactionCache(own_cache), LocalProcesses(2), lambda _: None, "again")
     assert len(reacted) == len(points)
     assert [one.profiles is None for one in reacted] == [False, True, True, True]
     assert "average_man/high/" in reacted[1].reason and reacted[3].reason == points[3].reason
@@ -228,7 +229,7 @@ def test_reactions_and_cells_in_common_are_made_once(study: Study, own_cache: Pa
     points = design(study)
     assert len(unique_requests(points)) == 4  # no factor of this study changes a motion
     heard: list[bool] = []
-    reacted = react("tiny", points, ReactionCache(own_cache), 1, lambda one: heard.append(one.found), "again")
+    reacted = react(points, ReactionCache(own_cache), LocalProcesses(1), lambda one: heard.append(one.found), "again")
     assert heard == [True] * 4
     grid = StudyGrid(reacted)
     assert all(len(places) == 4 for places in grid.of_point.values())

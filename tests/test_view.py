@@ -23,7 +23,7 @@ from PIL import Image
 from test_cli import FATPLAN, refused
 
 from fatigue_planner.cli.view import view
-from fatigue_planner.errors import MissingLibraryError, SelectionError
+from fatigue_planner.errors import MissingReactionsError, SelectionError
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import GRAVITY_MPS2
@@ -207,7 +207,7 @@ def test_an_unknown_reaction_is_exit_code_2(cache_folder: Path) -> None:
 
 
 def test_without_reactions_it_says_what_to_run(tmp_path: Path) -> None:
-    with pytest.raises(MissingLibraryError, match=r"Run `fatplan simulate .* first"):
+    with pytest.raises(MissingReactionsError, match=r"Run `fatplan simulate .* first"):
         view(PAPER, tmp_path)
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from fatigue_planner.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests, situation
 from fatigue_planner.fatigue.cycle_map import CycleProfile
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, build_pomdp, one_worker
 from fatigue_planner.reactions.cache import ReactionCache
@@ -28,7 +28,7 @@ class Problem:
 def experiment_problems(experiment: str) -> list[Problem]:
     """The conditions of an experiment, its reactions simulated where the cache lacks them."""
     loaded, cache = load_experiment(ROOT / "experiments" / f"{experiment}.yaml"), ROOT / "cache"
-    ReactionCache(cache).complete(loaded.name, reaction_requests(loaded), min(2, available_cores()), lambda _: None)
+    ReactionCache(cache).complete(reaction_requests(loaded), LocalProcesses(min(2, available_cores())), lambda _: None)
     profiles = load_cycle_profiles(loaded, cache, "fatplan simulate")
     problems = []
     for name, condition in loaded.benchmark.conditions.items():

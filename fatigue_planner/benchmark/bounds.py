@@ -8,6 +8,8 @@ import pandas as pd
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.table import read_keyed
 from fatigue_planner.bounds.cost_bound import CostBound, cost_lower_bound
+from fatigue_planner.errors import LostWorkError
+from fatigue_planner.executors.executor import Executor, Lost
 from fatigue_planner.files import (
     DIGEST_LENGTH,
     digest_of,
@@ -17,7 +19,6 @@ from fatigue_planner.files import (
     read_sealed,
     set_aside,
 )
-from fatigue_planner.parallel import run_parallel
 from fatigue_planner.pomdp.situation import Situation
 
 BOUNDS_FILE = "bounds.csv"
@@ -47,26 +48,35 @@ def bound_of(situation: Situation, n_cycles: int) -> CostBound:
     )
 
 
-def run_bounds(cells: Sequence[Cell], folder: Path, jobs: int, progress: Callable[[], None]) -> pd.DataFrame:
+def run_bounds(cells: Sequence[Cell], folder: Path, executor: Executor, progress: Callable[[], None]) -> pd.DataFrame:
     """One row per condition and number of cycles with a known worker: condition, n_cycles, cost_bound, exact.
 
-    Bounds already in the folder are not computed again. `progress` hears of each. Raises OutputFolderError.
+    Bounds already in the folder are not computed again. `progress` hears of each. Raises OutputFolderError,
+    LostWorkError.
     """
     places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
     found: dict[Place, tuple[float, bool]] = {}
     missing = []
     for place, situation in places.items():
-        path = _path(folder, situation, place)
-        kept = _read(path)
+        kept = _read(_path(folder, situation, place))
         if kept is None:
-            missing.append((place, situation, path))
+            missing.append((place, situation))
         else:
             found[place] = kept
             progress()
     missing.sort(key=lambda part: -part[0][1])  # the longest first
-    for index, result in run_parallel(_bound_and_keep, missing, jobs):
-        found[missing[index][0]] = result
+    lost = []
+    for index, bound in executor.run(_bound, missing):
+        place, situation = missing[index]
+        if isinstance(bound, Lost):
+            lost.append(f"the bound of {place[0]}, {place[1]} cycles: {bound.reason}.")
+            continue
+        content = {"condition": place[0], "n_cycles": place[1], "cost_bound": bound.cost, "exact": bound.exact}
+        publish_sealed(_path(folder, situation, place), content)
+        found[place] = bound.cost, bound.exact
         progress()
+    if lost:
+        raise LostWorkError("\n".join(lost))
     rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in places]
     return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"])
 
@@ -86,12 +96,9 @@ def _path(folder: Path, situation: Situation, place: Place) -> Path:
     return folder / f"{key[:DIGEST_LENGTH]}.json"
 
 
-def _bound_and_keep(part: tuple[Place, Situation, Path]) -> tuple[float, bool]:
-    (condition, n_cycles), situation, path = part
-    bound = bound_of(situation, n_cycles)
-    content = {"condition": condition, "n_cycles": n_cycles, "cost_bound": bound.cost, "exact": bound.exact}
-    publish_sealed(path, content)
-    return bound.cost, bound.exact
+def _bound(part: tuple[Place, Situation]) -> CostBound:
+    (_, n_cycles), situation = part
+    return bound_of(situation, n_cycles)
 
 
 def _read(path: Path) -> tuple[float, bool] | None:

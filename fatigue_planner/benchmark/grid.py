@@ -19,6 +19,7 @@ from fatigue_planner.streams import stream
 # What produces the numbers of a trial besides its settings and reactions.
 SOURCES = (
     "fatigue", "pomdp", "planners", "benchmark/grid.py", "benchmark/trial.py", "benchmark/world.py", "streams.py",
+    "compiled.py",
 )  # fmt: skip
 
 
@@ -52,7 +53,7 @@ class Cell(Job[TrialResult]):
                 "policy": self.settings.plain(),
                 "situation": self.situation.fingerprint(),
                 "sources": digest_of_package(*SOURCES),
-                "versions": {library: version(library) for library in ("numpy", "numba")},
+                "versions": {library: version(library) for library in ("numpy", "numba", "scipy")},
             }
         )
 

@@ -39,6 +39,8 @@ from fatigue_planner.cli.options import (
     counter,
     talk,
 )
+from fatigue_planner.executors.executor import Executor
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -100,10 +102,11 @@ def benchmark(
     if dry_run:
         typer.echo(_plan(grid, grid_cells, store, jobs))
         return
+    executor = LocalProcesses(jobs)
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
-    done = _run(grid_cells, store, jobs, f"Running {len(grid_cells)} cells")
+    done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells")
     table = trial_table(grid_cells, done)
     assert not table[OUTCOMES].isna().any(axis=None)
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
@@ -115,13 +118,13 @@ def benchmark(
     summary += "\n" + contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
     if regret:
-        losses = _measure_regret(grid_cells, done, judges, store, jobs)
+        losses = _measure_regret(grid_cells, done, judges, store, executor)
         publish_table(folder, losses, [REGRET_FILE])
         names = {condition: describe(reference) for condition, reference in judges.items()}
         summary += "\n" + regret_text(regret_table(table.merge(losses, on=KEY)), names)
         files.append(REGRET_FILE)
     if bound:
-        gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", jobs))
+        gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", executor))
         publish_bounds(folder, gaps)
         hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.situation.prior is not None)
         summary += "\n" + gap_text(gaps, list(hidden))
@@ -162,23 +165,23 @@ def _measure_regret(
     done: Sequence[Mapping[int, TrialResult]],
     judges: Mapping[str, ReferenceSettings],
     store: Path,
-    jobs: int,
+    executor: Executor,
 ) -> pd.DataFrame:
     judgements = [
         Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
-    return regret_rows(grid, _run(judgements, store, jobs, "Measuring regret"))
+    return regret_rows(grid, _run(judgements, store, executor, "Measuring regret"))
 
 
-def _run_bounds(cells: Sequence[Cell], store: Path, jobs: int) -> pd.DataFrame:
+def _run_bounds(cells: Sequence[Cell], store: Path, executor: Executor) -> pd.DataFrame:
     with counter(talk()) as bar:
         places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
         task = bar.add_task("Bounding the least cost", total=len(places))
-        return run_bounds(cells, writable_folder(store), jobs, lambda: bar.advance(task))
+        return run_bounds(cells, writable_folder(store), executor, lambda: bar.advance(task))
 
 
-def _run(grid: Sequence[Job[T]], store: Path, jobs: int, title: str) -> list[dict[int, T]]:
+def _run(grid: Sequence[Job[T]], store: Path, executor: Executor, title: str) -> list[dict[int, T]]:
     console = talk()
     total = sum(len(job.trial_numbers()) * job.effort for job in grid)
     share = TextColumn("{task.percentage:.0f} %")
@@ -191,7 +194,7 @@ def _run(grid: Sequence[Job[T]], store: Path, jobs: int, title: str) -> list[dic
         console=console,
     ) as bar:
         task = bar.add_task(title, total=total)
-        done, warnings = run_grid(grid, store, jobs, lambda job, n: bar.advance(task, n * job.effort))
+        done, warnings = run_grid(grid, store, executor, lambda job, n: bar.advance(task, n * job.effort))
     for warning in warnings:
         console.print(f"Warning: {warning}", markup=False)
     return done

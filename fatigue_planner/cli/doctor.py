@@ -13,8 +13,8 @@ import typer
 
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, CacheFolder, ResultsFolder
 from fatigue_planner.errors import ExitCode, OutputFolderError
+from fatigue_planner.executors.processes import available_cores
 from fatigue_planner.files import writable_folder
-from fatigue_planner.parallel import available_cores
 from fatigue_planner.provenance import versions
 
 SOLVERS = ("daqp", "qpoases")

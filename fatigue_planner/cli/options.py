@@ -8,10 +8,10 @@ import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from fatigue_planner.parallel import available_cores
+from fatigue_planner.executors.processes import available_cores
 
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
-CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the reaction libraries.")]
+CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the simulated reactions.")]
 ResultsFolder = Annotated[Path, typer.Option("--results", help="Folder of the results.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes to use; results do not depend on it.")]
 

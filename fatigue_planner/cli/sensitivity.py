@@ -20,12 +20,13 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.errors import ExperimentError
+from fatigue_planner.executors.executor import Executor
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.files import publish_csv, publish_text, writable_folder
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.sensitivity.design import Point, design
-from fatigue_planner.sensitivity.reactions import Reacted, react, unique_requests
+from fatigue_planner.sensitivity.reactions import Reacted, react, unique_digests, unique_requests
 from fatigue_planner.sensitivity.robustness import judge
 from fatigue_planner.sensitivity.run import StudyGrid
 from fatigue_planner.sensitivity.study import Study, load_study
@@ -52,16 +53,19 @@ def sensitivity(
     points = design(settings)
     store = writable_folder(results / settings.settings.name / "parts")
     command = command_line("sensitivity", study, cache, results)
-    reacted = _react(settings, points, ReactionCache(writable_folder(cache)), jobs, command)
-    trials = _run(reacted, store, jobs)
+    executor = LocalProcesses(jobs)
+    reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
+    trials = _run(reacted, store, executor)
     _publish(settings, reacted, trials, results / settings.settings.name, command)
 
 
-def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: int, command: str) -> list[Reacted]:
+def _react(
+    study: Study, points: Sequence[Point], cache: ReactionCache, executor: Executor, command: str
+) -> list[Reacted]:
     console = talk()
     with _bar() as bar:
         task = bar.add_task(f"Reactions of {len(points)} points", total=len(unique_requests(points)))
-        reacted = react(study.settings.name, points, cache, jobs, lambda _: bar.advance(task), command)
+        reacted = react(points, cache, executor, lambda _: bar.advance(task), command)
     for warning in cache.damaged:
         console.print(f"Warning: {warning}", markup=False)
     feasible = sum(one.profiles is not None for one in reacted)
@@ -71,15 +75,17 @@ def _react(study: Study, points: Sequence[Point], cache: ReactionCache, jobs: in
     return reacted
 
 
-def _run(reacted: Sequence[Reacted], store: Path, jobs: int) -> Mapping[str, pd.DataFrame]:
+def _run(reacted: Sequence[Reacted], store: Path, executor: Executor) -> Mapping[str, pd.DataFrame]:
     console = talk()
     grid = StudyGrid(reacted)
     left = decisions_left(grid.cells, store)
-    time = duration_text(estimated_seconds(grid.cells, left, jobs))
-    console.print(f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with --jobs {jobs}.")
+    time = duration_text(estimated_seconds(grid.cells, left, executor.workers))
+    console.print(
+        f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with {executor.workers} workers."
+    )
     with _bar() as bar:
         task = bar.add_task("Decisions", total=sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells))
-        trials, warnings = grid.run(store, jobs, lambda job, n: bar.advance(task, n * job.effort))
+        trials, warnings = grid.run(store, executor, lambda job, n: bar.advance(task, n * job.effort))
     for warning in warnings:
         console.print(f"Warning: {warning}", markup=False)
     return trials
@@ -109,7 +115,7 @@ def _publish(
         "study": study.settings.plain(),
         "experiment": study.base.plain(),
         "seed": study.base.benchmark.seed,
-        "reactions": digests(unique_requests([one.point for one in reacted])),
+        "reactions": unique_digests([one.point for one in reacted]),
         "figures": [path.stem for path in drawn if path.suffix == ".svg"],
     }
     publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])

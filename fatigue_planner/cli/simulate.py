@@ -15,6 +15,7 @@ from fatigue_planner.cli.options import (
     talk,
 )
 from fatigue_planner.errors import ExitCode
+from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
@@ -25,7 +26,7 @@ def simulate(
 ) -> None:
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
-    The joint torques, motions and contact forces go to a reaction library (HDF5) in the cache folder.
+    The joint torques, motions and contact forces of every reaction go to a file (HDF5) in the cache folder.
     What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
     is reported and not kept; one that had to pass a limit a little is kept as degraded, and says so.
     """
@@ -35,7 +36,7 @@ def simulate(
     store, console = ReactionCache(cache), talk()
     with counter(console) as bar:
         task = bar.add_task("Simulating reactions", total=len(requests))
-        path, outcomes = store.complete(settings.name, requests, jobs, lambda _: bar.advance(task))
+        outcomes = store.complete(requests, LocalProcesses(jobs), lambda _: bar.advance(task))
     for warning in store.damaged:
         console.print(f"Warning: {warning}", markup=False)
     for outcome in outcomes:
@@ -44,11 +45,11 @@ def simulate(
     found = sum(outcome.found for outcome in outcomes)
     if failed:
         rest = " The others are kept." if failed < len(outcomes) else ""
-        typer.echo(f"{failed} of {len(outcomes)} reactions failed; no library is published.{rest}")
+        typer.echo(f"{failed} of {len(outcomes)} reactions failed.{rest}")
         raise typer.Exit(ExitCode.FAILED_PARTS)
     made = "nothing to simulate" if found == len(outcomes) else f"{len(outcomes) - found} simulated"
     typer.echo(
-        f"{path}: {len(outcomes)} reactions, {found} found in the cache, {made} ({time.perf_counter() - begin:.1f} s)."
+        f"{cache}: {len(outcomes)} reactions, {found} found in the cache, {made} ({time.perf_counter() - begin:.1f} s)."
     )
 
 

@@ -89,7 +89,7 @@ def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, comm
         )
     shown = [request for request in requests if str(request.name) in chosen]
     names = [request.name for request in shown]
-    reactions = ReactionCache(cache).stream(settings.name, requests, command, names)
+    reactions = ReactionCache(cache).stream(requests, command, names)
     return [performance_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
 
 

@@ -38,9 +38,9 @@ def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
 def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
     """The experiment's reactions from the cache; `command` makes them, for the messages.
 
-    Raises MissingLibraryError or DamagedFileError.
+    Raises MissingReactionsError or DamagedFileError.
     """
-    return ReactionCache(cache_folder).load(experiment.name, reaction_requests(experiment), command)
+    return ReactionCache(cache_folder).load(reaction_requests(experiment), command)
 
 
 def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
@@ -57,7 +57,7 @@ def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str
     Raises as `load_reactions`.
     """
     requests = reaction_requests(experiment)
-    return cycle_profiles(experiment, ReactionCache(cache_folder).stream(experiment.name, requests, command))
+    return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
 
 
 def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleProfile]:

@@ -72,7 +72,7 @@ def posture_figure(
 
 def working_hands(reaction: Reaction) -> list[str]:
     """The sides whose hands have a goal in the reaction's action."""
-    return [side for side in SIDES if reaction.settings["action"][f"{side}_hand"] is not None]
+    return [side for side in SIDES if reaction.key.settings["action"][f"{side}_hand"] is not None]
 
 
 def _columns(reactions: Sequence[Reaction]) -> int:

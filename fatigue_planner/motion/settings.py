@@ -9,6 +9,8 @@ from fatigue_planner.settings import Settings
 Positive = Annotated[float, Field(gt=0, le=1e9)]
 # A phase lasts at least some ticks of the longest time step, at most ten minutes.
 Duration = Annotated[float, Field(ge=0.1, le=600)]
+# A cycle has at most so many ticks: 16 minutes at 10 ms, some 200 MB.
+MOST_TICKS = 100_000
 
 Side = Literal["right", "left"]
 PhaseName = Literal["reach", "work", "return"]

@@ -3,11 +3,11 @@
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError
+from fatigue_planner.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.motion.quality import Verdict
 from fatigue_planner.motion.verification import MismatchError, measure
-from fatigue_planner.reactions.library import read_reaction
-from fatigue_planner.reactions.reaction import ReactionName, request_of
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, request_of
 
 # What a check recomputed on another machine may differ by from the stored one (SI).
 TOLERANCE = 1e-6
@@ -15,37 +15,46 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Audit:
-    """The verdict on a stored reaction and, if it is not good, why; `damaged` if it is not what was written."""
+    """The verdict on a stored reaction and, if it is not good, why; None: of another version, not checked.
+
+    damaged: it is not what was written; nothing is known of it then.
+    """
 
     path: Path
-    name: ReactionName
-    verdict: Verdict
+    verdict: Verdict | None
+    name: ReactionName | None = None
     reason: str = ""
     damaged: bool = False
 
 
-def audit(place: tuple[Path, ReactionName]) -> Audit:
-    """Read a reaction, recompute every check of its motion, and compare with what is stored."""
-    path, name = place
+def audit(path: Path) -> Audit:
+    """Read a reaction of the cache, recompute every check of its motion, and compare with what is stored."""
     try:
-        reaction = read_reaction(path, name)
-        request = request_of(name, reaction.settings)
+        reaction = ReactionCache(path.parent).read(path)
+    except OtherVersionError as error:
+        return Audit(path, None, reason=str(error))
     except DamagedFileError as error:
-        return Audit(path, name, "failed", str(error), damaged=True)
+        return Audit(path, "failed", reason=str(error), damaged=True)
+    faults = faults_of(reaction)
+    if faults:
+        return Audit(path, "failed", reaction.name, "; ".join(faults))
+    verdict = reaction.quality.kept_as()
+    return Audit(path, verdict, reaction.name, reaction.quality.degradation() if verdict == "degraded" else "")
+
+
+def faults_of(reaction: Reaction) -> list[str]:
+    """What a reaction's motion does not keep of what is stored of it."""
+    try:
+        request = request_of(reaction.name, reaction.key.settings)
     except (ValueError, KeyError, TypeError) as error:
-        return Audit(path, name, "failed", f"its settings are not those of this version ({error})")
+        return [f"its settings are not those of this version ({error})"]
     try:
         quality = measure(request.motion, reaction.motion)
     except MismatchError as error:
-        return Audit(path, name, "failed", str(error))
-    faults = quality.faults(request.accuracy)
+        return [str(error)]
     stored = asdict(reaction.quality)
-    faults += [
+    return quality.faults(request.accuracy) + [
         f"{check} = {value}, stored as {stored[check]}"
         for check, value in asdict(quality).items()
         if not isinstance(value, str) and not abs(value - stored[check]) <= TOLERANCE
     ]
-    if faults:
-        return Audit(path, name, "failed", "; ".join(faults))
-    verdict = quality.kept_as()
-    return Audit(path, name, verdict, quality.degradation() if verdict == "degraded" else "")

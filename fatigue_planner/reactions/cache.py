@@ -1,8 +1,8 @@
-"""The folder of reaction libraries: find what is there, simulate what is missing.
+"""The folder of reactions: find what is there, simulate what is missing.
 
-A finished library is `<experiment>-<digest>.h5`; what an unfinished run has simulated so far waits in
-`partial/`, one library of one reaction each, and is taken from there by the next run. No motion is
-held in memory longer than it takes to check and copy it, however large the library.
+Every reaction has a file of its own, called after its digest (see `reaction.file_name`), which is found whatever
+experiment it was made for. It is written by the process that asked for it, whole or not at all. Files of others are
+left alone.
 """
 
 import re
@@ -10,25 +10,17 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingLibraryError, OtherVersionError
-from fatigue_planner.files import DIGEST_LENGTH, set_aside, writable_folder
+from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingReactionsError, OtherVersionError
+from fatigue_planner.executors.executor import Executor, Lost
+from fatigue_planner.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
-from fatigue_planner.parallel import run_parallel
-from fatigue_planner.reactions.library import (
-    Source,
-    assemble_library,
-    library_digest,
-    names_in,
-    read_reaction,
-    write_reaction,
-)
-from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+from fatigue_planner.reactions.entry import MOST_BYTES, entry_bytes, read_entry
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
+from fatigue_planner.reactions.seal import is_sealed
 
-PARTIAL = "partial"
-# Ours are <experiment>-<digest>.h5 and partial/<digest>.h5; other files in the folder are left alone.
-_LIBRARY_NAME = re.compile(rf"([A-Za-z][\w.-]*-)?[0-9a-f]{{{DIGEST_LENGTH}}}\.h5")
+_FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
 
 
 @dataclass(frozen=True)
@@ -44,144 +36,154 @@ class Outcome:
 
 
 class ReactionCache:
-    """The libraries in one folder."""
+    """The reactions in one folder; `damaged`: messages about files that were set aside."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.damaged: list[str] = []
 
-    def path(self, experiment: str, requests: Sequence[ReactionRequest]) -> Path:
-        """Where the library of these requests is, under whatever name, or where it would be published."""
-        digest = library_digest([(request.name, request.digest) for request in requests])[:DIGEST_LENGTH]
-        return next(iter(sorted(self.folder.glob(f"[!.]*-{digest}.h5"))), self.folder / f"{experiment}-{digest}.h5")
-
     def files(self) -> list[Path]:
-        """All libraries of the folder, finished ones first."""
-        finished, partial = (sorted(folder.glob("*.h5")) for folder in (self.folder, self.folder / PARTIAL))
-        return [path for path in (*finished, *partial) if _LIBRARY_NAME.fullmatch(path.name)]
+        """All entries, in the order of their names."""
+        return sorted(path for path in self.folder.glob("*.h5") if _FILE_NAME.fullmatch(path.name))
+
+    def path(self, request: ReactionRequest) -> Path:
+        """Where a reaction is published."""
+        return self.folder / file_name(request.name, request.digest)
+
+    def read(self, path: Path) -> Reaction:
+        """The reaction in a file of the folder.
+
+        Raises OtherVersionError for a file of another format, DamagedFileError if it is damaged or stands under the
+        name of another one.
+        """
+        reaction = read_entry(read_content(path), str(path))
+        if not path.stem.endswith(f"-{reaction.digest[:DIGEST_LENGTH]}"):
+            raise DamagedFileError(
+                f"{path}: holds another reaction than its name says, {file_name(reaction.name, reaction.digest)}."
+            )
+        return reaction
 
     def stream(
-        self,
-        experiment: str,
-        requests: Sequence[ReactionRequest],
-        how: str,
-        chosen: Container[ReactionName] | None = None,
+        self, requests: Sequence[ReactionRequest], how: str, chosen: Container[ReactionName] | None = None
     ) -> Iterator[Reaction]:
-        """The reactions of a finished library one by one, all or those chosen, in the order of the requests.
+        """The reactions one by one, all or those chosen, in the order of the requests.
 
-        `how` is the command that makes the library, for the message. Raises MissingLibraryError if
-        there is none, DamagedFileError if it is not what was written or holds other reactions.
+        `how` is the command that makes them, for the message. Raises MissingReactionsError if some are not there,
+        before any is read; DamagedFileError for one that is not what was written.
         """
-        path = self.path(experiment, requests)
-        if not path.exists():
-            kept = [request for request in requests if self._partial(request.digest).exists()]
-            if not kept:
-                raise MissingLibraryError(f"{path}: no reactions for this experiment's settings. Run `{how}` first.")
-            wanted = [request for request in requests if chosen is not None and request.name in chosen]
-            if not wanted or not all(request in kept for request in wanted):
-                raise MissingLibraryError(
-                    f"{path}: only {len(kept)} of {len(requests)} reactions are there: "
-                    f"{', '.join(str(request.name) for request in kept)}. `{how}` says why the others are not."
-                )
-            for request in wanted:
-                (name,) = names_in(self._partial(request.digest))
-                yield replace(read_reaction(self._partial(request.digest), name), name=request.name)
-            return
-        try:
-            if not _holds(path, requests):
-                raise DamagedFileError(f"{path}: holds other reactions than its name says.")
-            for request in requests:
-                if chosen is None or request.name in chosen:
-                    reaction = read_reaction(path, request.name)
-                    if reaction.settings != request.settings:
-                        raise DamagedFileError(f"{path}: {request.name} has other settings than its digest says.")
-                    yield reaction
-        except DamagedFileError as error:
-            raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
+        wanted = [request for request in requests if chosen is None or request.name in chosen]
+        for request, path in zip(wanted, self.paths(wanted, how), strict=True):
+            try:
+                reaction = self.read(path)
+                if reaction.digest != request.digest:
+                    raise DamagedFileError(f"{path}: holds another reaction than its name says.")
+            except (DamagedFileError, OtherVersionError) as error:
+                raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
+            yield replace(reaction, name=request.name)
 
-    def load(self, experiment: str, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
-        """All reactions of a finished library at once; see `stream`."""
-        return tuple(self.stream(experiment, requests, how))
+    def paths(self, requests: Sequence[ReactionRequest], how: str) -> list[Path]:
+        """Where these reactions are, by their names' digests. Raises MissingReactionsError as `stream`."""
+        places = self._places()
+        missing = [str(request.name) for request in requests if request.digest[:DIGEST_LENGTH] not in places]
+        if missing:
+            raise MissingReactionsError(
+                f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {shortened(missing)}. Run "
+                f"`{how}` first. If they were there once, `fatplan cache why EXPERIMENT` says what has changed."
+            )
+        return [places[request.digest[:DIGEST_LENGTH]][0] for request in requests]
+
+    def load(self, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
+        """All of these reactions at once; see `stream`."""
+        return tuple(self.stream(requests, how))
 
     def complete(
-        self, experiment: str, requests: Sequence[ReactionRequest], jobs: int, progress: Callable[[Outcome], None]
-    ) -> tuple[Path, list[Outcome]]:
-        """Find or simulate every request; publish the library if none failed.
+        self, requests: Sequence[ReactionRequest], executor: Executor, progress: Callable[[Outcome], None]
+    ) -> list[Outcome]:
+        """Find or simulate every request; the outcomes in the order of the requests.
 
-        `progress` hears of every outcome as it comes. Damaged files are set aside (`damaged` lists
-        the messages). Returns the library's path and the outcomes in the order of the requests.
+        `progress` hears of every outcome as it comes. Damaged files are set aside (see `damaged`), what they held is
+        simulated again. Raises OutputFolderError if the folder cannot be written.
         """
-        path = self.path(experiment, requests)
         by_digest = {request.digest: request for request in requests}
-        places, outcomes = self._find(path, set(by_digest))
-        for outcome in outcomes.values():
-            progress(outcome)
-        missing = [(request, self._partial(digest)) for digest, request in by_digest.items() if digest not in outcomes]
-        if missing:
-            writable_folder(self.folder / PARTIAL)
-        for _, outcome in run_parallel(_simulate_and_keep, missing, jobs):
-            outcomes[outcome.digest] = outcome
-            places[outcome.digest] = (self._partial(outcome.digest), by_digest[outcome.digest].name)
-            progress(outcome)
-        ordered = [replace(outcomes[request.digest], name=request.name) for request in requests]
-        if all(outcome.verdict != "failed" for outcome in ordered):
-            if not _holds(path, requests):
-                try:
-                    assemble_library(path, [Source(r.name, r.digest, *places[r.digest]) for r in requests])
-                except FileNotFoundError:  # another run has published the same library and tidied up
-                    if not _holds(path, requests):
-                        raise
-            for outcome in ordered:
-                if self._partial(outcome.digest).exists():
-                    self._partial(outcome.digest).unlink(missing_ok=True)
-        return path, ordered
-
-    def _partial(self, digest: str) -> Path:
-        return self.folder / PARTIAL / f"{digest[:DIGEST_LENGTH]}.h5"
-
-    def _find(self, first: Path, wanted: set[str]) -> tuple[dict[str, tuple[Path, ReactionName]], dict[str, Outcome]]:
-        """Where the wanted reactions are, by digest, in all libraries; damaged libraries are set aside.
-
-        `first` is read first, if it exists, so that it is checked even if others hold the same.
-        """
-        places: dict[str, tuple[Path, ReactionName]] = {}
+        places = self._places()
         outcomes: dict[str, Outcome] = {}
-        for path in sorted(self.files(), key=lambda path: path != first):
+        for digest in by_digest:
+            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), digest)
+            if reaction is not None:
+                quality = reaction.quality
+                outcomes[digest] = Outcome(reaction.name, digest, quality.kept_as(), True, quality)
+                progress(outcomes[digest])
+        missing = [request for digest, request in by_digest.items() if digest not in outcomes]
+        if missing:
+            writable_folder(self.folder)
+        for place, made in executor.run(simulated, missing):
+            request = missing[place]
+            if isinstance(made, Lost):
+                made = Made(Outcome(request.name, request.digest, "failed", False, failure=made.reason))  # noqa: PLW2901
+            elif made.content is not None:
+                if not is_sealed(made.content):
+                    raise DamagedFileError(f"{request.name}: was damaged on its way from the worker. Run again.")
+                publish_bytes(self.path(request), made.content)
+            outcomes[request.digest] = made.outcome
+            progress(made.outcome)
+        return [replace(outcomes[request.digest], name=request.name) for request in requests]
+
+    def _places(self) -> dict[str, list[Path]]:
+        """Where reactions are, by the beginning of their digest; several names of one are possible."""
+        places: dict[str, list[Path]] = {}
+        for path in self.files():
+            places.setdefault(path.stem[-DIGEST_LENGTH:], []).append(path)
+        return places
+
+    def _find(self, paths: Sequence[Path], digest: str) -> Reaction | None:
+        """The first whole reaction in some files; the others before it are set aside."""
+        for path in paths:
             try:
-                here = {digest: name for name, digest in names_in(path).items() if digest in wanted - places.keys()}
-                found = {digest: _found(read_reaction(path, name)) for digest, name in here.items()}
-            except OtherVersionError:
-                continue
-            except DamagedFileError as error:
-                if not path.exists():
-                    continue  # another run has just taken it
+                reaction = self.read(path)
+                if reaction.digest == digest:
+                    return reaction
+            except (DamagedFileError, OtherVersionError) as error:
                 aside = set_aside(path)
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
-                continue
-            places |= {digest: (path, name) for digest, name in here.items()}
-            outcomes |= found
-        return places, outcomes
+        return None
 
 
-def _holds(path: Path, requests: Sequence[ReactionRequest]) -> bool:
-    """Whether a library is there and names just these reactions."""
-    return path.exists() and names_in(path) == {request.name: request.digest for request in requests}
+@dataclass(frozen=True)
+class Made:
+    """What a simulation leaves: its outcome and, if it is good, the content of its file."""
+
+    outcome: Outcome
+    content: bytes | None = None
 
 
-def _found(reaction: Reaction) -> Outcome:
-    return Outcome(reaction.name, reaction.digest, reaction.quality.kept_as(), True, reaction.quality)
-
-
-def _simulate_and_keep(work: tuple[ReactionRequest, Path]) -> Outcome:
-    """Simulate a reaction, check it and, if it is good, publish it at once, whatever becomes of the parent process."""
-    request, path = work
+def simulated(request: ReactionRequest) -> Made:
+    """Simulate a reaction and check it."""
     try:
         motion = simulate(request.motion)
     except FailedMotionError as error:
-        return Outcome(request.name, request.digest, "failed", False, failure=str(error))
+        return Made(Outcome(request.name, request.digest, "failed", False, failure=str(error)))
     quality = measure(request.motion, motion)
     faults = quality.faults(request.accuracy)
     if faults:
-        return Outcome(request.name, request.digest, "failed", False, quality, "; ".join(faults))
-    write_reaction(path, Reaction(request.name, request.digest, request.settings, motion, quality))
-    return Outcome(request.name, request.digest, quality.kept_as(), False, quality)
+        return Made(Outcome(request.name, request.digest, "failed", False, quality, "; ".join(faults)))
+    outcome = Outcome(request.name, request.digest, quality.kept_as(), False, quality)
+    return Made(outcome, entry_bytes(Reaction(request.name, request.key, motion, quality)))
+
+
+def read_content(path: Path) -> bytes:
+    """The bytes of a file that may be one of ours. Raises DamagedFileError if it cannot be."""
+    try:
+        if not path.is_file():
+            raise DamagedFileError(f"{path}: is not a file.")
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            raise DamagedFileError(f"{path}: has {size} bytes; none of ours has more than {MOST_BYTES}.")
+        return path.read_bytes()
+    except OSError as error:
+        raise DamagedFileError(f"{path}: cannot be read ({error.strerror}).") from error
+
+
+def shortened(names: Sequence[str], most: int = 5) -> str:
+    """Some names, the first few of them, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

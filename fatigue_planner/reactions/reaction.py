@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
-from fatigue_planner.files import digest_of, digest_of_package
+from fatigue_planner.files import DIGEST_LENGTH, digest_of, digests_of_package
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
@@ -14,7 +14,8 @@ from fatigue_planner.motion.simulator import MotionRequest
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
 SOURCES = ("human", "motion", "settings.py", "yaml_reader.py", "compiled.py")
-NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba")
+# The QP solvers come with casadi.
+NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
 
 
 class ReactionName(NamedTuple):
@@ -29,6 +30,33 @@ class ReactionName(NamedTuple):
 
 
 @dataclass(frozen=True)
+class ReactionKey:
+    """Everything that decides a reaction.
+
+    settings: of the motion, as plain data, strengths written out; sources: SHA-256 of every file of this package that
+    produces it; versions: of the numerical libraries, solvers included.
+    """
+
+    settings: Mapping[str, Any]
+    sources: Mapping[str, str]
+    versions: Mapping[str, str]
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of all of it, in hex."""
+        return digest_of(self.plain())
+
+    @property
+    def is_current(self) -> bool:
+        """Whether this program, with these libraries, would make such a reaction."""
+        return (self.sources, self.versions) == (sources(), versions())
+
+    def plain(self) -> dict[str, Any]:
+        """The key as JSON values."""
+        return {"settings": self.settings, "sources": self.sources, "versions": self.versions}
+
+
+@dataclass(frozen=True)
 class ReactionRequest:
     """A reaction to be found in the cache or simulated."""
 
@@ -37,15 +65,15 @@ class ReactionRequest:
     accuracy: Accuracy
 
     @cached_property
-    def settings(self) -> dict[str, Any]:
-        """Everything of an experiment that decides the reaction, as plain data, strengths written out."""
+    def key(self) -> ReactionKey:
+        """What decides the reaction."""
         parts = vars(self.motion) | {"accuracy": self.accuracy}
-        return {name: part.plain() for name, part in parts.items()}
+        return ReactionKey({name: part.plain() for name, part in parts.items()}, sources(), versions())
 
-    @cached_property
+    @property
     def digest(self) -> str:
-        """Key of the reaction: settings, body data, sources and numerical libraries."""
-        return digest_of({"settings": self.settings, "sources": digest_of_package(*SOURCES), "versions": versions()})
+        """Digest of the key."""
+        return self.key.digest
 
 
 def request_of(name: ReactionName, settings: Mapping[str, Any]) -> ReactionRequest:
@@ -60,13 +88,22 @@ def request_of(name: ReactionName, settings: Mapping[str, Any]) -> ReactionReque
 
 @dataclass(frozen=True)
 class Reaction:
-    """A reaction whose motion has passed its checks."""
+    """A reaction whose motion has passed its checks, under the name for which it was made."""
 
     name: ReactionName
-    digest: str
-    settings: Mapping[str, Any]
+    key: ReactionKey
     motion: Motion
     quality: Quality
+
+    @property
+    def digest(self) -> str:
+        """Digest of the key."""
+        return self.key.digest
+
+
+def file_name(name: ReactionName, digest: str) -> str:
+    """How the file of a reaction is called; only the digest counts, the rest is for people."""
+    return f"{'-'.join(name)}-{digest[:DIGEST_LENGTH]}.h5"
 
 
 def digests(requests: Iterable[ReactionRequest]) -> dict[str, str]:
@@ -74,6 +111,12 @@ def digests(requests: Iterable[ReactionRequest]) -> dict[str, str]:
     return {str(request.name): request.digest for request in requests}
 
 
+def sources() -> dict[str, str]:
+    """SHA-256 of every file of this package that decides the numbers of a motion."""
+    return digests_of_package(*SOURCES)
+
+
+@cache
 def versions() -> dict[str, str]:
     """Versions of the libraries that decide the numbers of a motion."""
     return {library: version(library) for library in NUMERICAL_LIBRARIES}

@@ -3,12 +3,13 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from fatigue_planner.executors.executor import Executor
 from fatigue_planner.experiment.resolve import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.cycle_map import CycleProfile, cycle_profile
 from fatigue_planner.files import DIGEST_LENGTH
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest
+from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest, digests
 from fatigue_planner.sensitivity.design import Point
 
 Profiles = dict[ReactionName, CycleProfile]
@@ -24,36 +25,38 @@ class Reacted:
 
 
 def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
-    """Every reaction that some point needs, once, the digest in its name instead of the point."""
+    """Every reaction that some point needs, once."""
     found = {
         request.digest: request
         for point in points
         if point.experiment is not None
         for request in reaction_requests(point.experiment)
     }
-    return [replace(request, name=_own_name(request)) for request in found.values()]
+    return list(found.values())
+
+
+def unique_digests(points: Sequence[Point]) -> dict[str, str]:
+    """Digest of every reaction that some point needs; where names are not unique, it is in the name, too."""
+    return digests(replace(request, name=_own_name(request)) for request in unique_requests(points))
 
 
 def react(
-    study: str,
     points: Sequence[Point],
     cache: ReactionCache,
-    jobs: int,
+    executor: Executor,
     progress: Callable[[Outcome], None],
     command: str,
 ) -> list[Reacted]:
     """All points with the cycle profiles of their reactions.
 
-    Reactions not in the cache are simulated and kept there, in one library named after the study. A point one of whose
-    reactions fails has no profiles. One motion at a time is held in memory. `progress` hears of every reaction;
-    `command` is what the user ran, for messages. Raises OutputFolderError.
+    Reactions not in the cache are simulated and kept there. A point one of whose reactions fails has no profiles. One
+    motion at a time is held in memory. `progress` hears of every reaction; `command` is what the user ran, for
+    messages. Raises OutputFolderError.
     """
     requests = unique_requests(points)
-    _, outcomes = cache.complete(study, requests, jobs, progress)
+    outcomes = cache.complete(requests, executor, progress)
     failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
     good = [request for request in requests if request.digest not in failures]
-    if failures and good:
-        cache.complete(study, good, jobs, lambda _: None)
     needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
     reasons: dict[str, list[str]] = {}
     for point in points:
@@ -64,7 +67,7 @@ def react(
             if request.digest in failures:
                 reasons.setdefault(point.name, []).append(f"{request.name}: {failures[request.digest]}")
     profiles: dict[str, Profiles] = {point.name: {} for point in points}
-    for reaction in cache.stream(study, good, command) if good else ():
+    for reaction in cache.stream(good, command):
         for point, experiment, name in needs[reaction.digest]:
             if point.name not in reasons:
                 parameters = worker_fatigue(experiment)[name.worker]

@@ -10,6 +10,7 @@ from fatigue_planner.benchmark.job import Job
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import ACTIONS, TIMES, trial_table
 from fatigue_planner.benchmark.trial import TrialResult
+from fatigue_planner.executors.executor import Executor
 from fatigue_planner.experiment.selection import cells
 from fatigue_planner.sensitivity.reactions import Reacted
 
@@ -36,13 +37,13 @@ class StudyGrid:
                 self.of_point.setdefault(one.point.name, []).append(places[digest])
 
     def run(
-        self, store: Path, jobs: int, progress: Callable[[Job[TrialResult], int], None]
+        self, store: Path, executor: Executor, progress: Callable[[Job[TrialResult], int], None]
     ) -> tuple[Mapping[str, pd.DataFrame], list[str]]:
         """The trials of every point, as `benchmark.table.trial_table` without times, and warnings about damaged files.
 
         Raises as `benchmark.runner.run_grid`, whose `progress` this is.
         """
-        results, warnings = run_grid(self.cells, store, jobs, progress)
+        results, warnings = run_grid(self.cells, store, executor, progress)
         tables = {
             point: trial_table([self.cells[place] for place in places], [results[place] for place in places])
             for point, places in self.of_point.items()
