@@ -102,9 +102,7 @@ MOTION = (
         "motion/body_state.py",
         "self.nonlinear_effects - force_n @",
         "self.nonlinear_effects + force_n @",
-        "test_scenes.py::test_who_is_pushed_leans_against_it",
-        "test_scenes.py::test_a_horizontal_force_is_carried_to_the_ground",
-        "test_scenes.py::test_a_weight_as_force_and_as_mass_load_the_joints_alike_at_rest",
+        "test_scenes.py::test_a_weight_pushes_as_the_mass_it_belongs_to",
     ),
     _f(
         "the error of the other hand",
