@@ -1,15 +1,19 @@
-"""What several tests share: the paper's experiment and its reactions, simulated once per session."""
+"""What several tests share: the paper's experiment, its reactions, simulated once per session, and keys of results."""
 
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
+from fatigue_planner import files
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, versions
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
@@ -32,3 +36,49 @@ def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) ->
 @pytest.fixture(scope="session")
 def reactions(paper: Experiment, cache_folder: Path) -> tuple[Reaction, ...]:
     return load_reactions(paper, cache_folder, "fatplan simulate")
+
+
+class Machine:
+    """What a key of results is made from besides settings: the package's sources, here a copy, and its libraries.
+
+    With a file or a library's version changed the key is taken again; the change is then undone.
+    """
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.folder = folder
+        self._monkeypatch = monkeypatch
+
+    def with_another_file(self, file: str, key: Callable[[], str]) -> str:
+        path = self.folder / file
+        text = path.read_bytes()
+        path.write_bytes(text + b"\n# changed\n")
+        forget()
+        changed = key()
+        path.write_bytes(text)
+        forget()
+        return changed
+
+    def with_another_version(self, module: ModuleType, library: str, key: Callable[[], str]) -> str:
+        installed = module.version
+        with self._monkeypatch.context() as patch:
+            patch.setattr(module, "version", lambda name: installed(name) + (".1" if name == library else ""))
+            forget()
+            changed = key()
+        forget()
+        return changed
+
+
+@pytest.fixture
+def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Machine]:
+    folder = Path(shutil.copytree(files.PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__")))
+    with monkeypatch.context() as patch:
+        patch.setattr(files, "PACKAGE", folder)
+        forget()
+        yield Machine(folder, monkeypatch)
+    forget()
+
+
+def forget() -> None:
+    """Look at sources and versions again."""
+    files.digests_of_package.cache_clear()
+    versions.cache_clear()

@@ -1,6 +1,7 @@
 """The benchmark: paired worlds, resuming, and the same bytes whatever the workers and interruptions."""
 
 import json
+import math
 import os
 import random
 import signal
@@ -11,8 +12,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PAPER
+from conftest import PAPER, Machine
+from small_problems import STARTS, belief_in, small_model
 
+from fatigue_planner.benchmark import grid
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.replay import replay
 from fatigue_planner.benchmark.runner import run_grid
@@ -35,30 +38,44 @@ from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import choose
 from fatigue_planner.planners.policy import Decision, Policy, plain_decision
-from fatigue_planner.planners.settings import GreedySettings, LookaheadSettings, PomcpSettings, RandomSettings
+from fatigue_planner.planners.settings import (
+    GreedySettings,
+    LookaheadSettings,
+    PolicySettings,
+    PomcpSettings,
+    RandomSettings,
+)
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_model import one_worker
+from fatigue_planner.pomdp.situation import Situation
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.streams import stream
 
 SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)
 
 
+def cell_of(condition: str, one: Situation, n_cycles: int, policy: str, settings: PolicySettings) -> Cell:
+    return Cell(condition, n_cycles, policy, settings, one, seed=7, trials=12)
+
+
 @pytest.fixture(scope="module")
-def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+def cells() -> list[Cell]:
+    """The paper's conditions in a small task that was made up."""
+    rest, several = np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0], *STARTS])
+    conditions = {
+        "single_novice": (0.0, rest, [1.0]),
+        "single_expert": (math.inf, rest, [1.0]),
+        "multiple_novice": (0.0, several, [0.2, 0.4, 0.4]),
+    }
+    situations = {}
+    for name, (expertise, starts, weights) in conditions.items():
+        belief = belief_in(small_model(expertise), starts, weights)
+        situations[name] = Situation(belief.model, belief.states, belief.weights, None, ExactSettings(kind="exact"))
     policies = {"random": RandomSettings(kind="random"), "greedy": GreedySettings(kind="greedy"), "search": SEARCH}
-    profiles = cycle_profiles(paper, reactions)
     return [
-        Cell(
-            condition,
-            n_cycles,
-            policy,
-            settings,
-            situation(paper, profiles, chosen),
-            seed=7,
-            trials=12,
-        )
-        for condition, chosen in paper.benchmark.conditions.items()
+        cell_of(condition, one, n_cycles, policy, settings)
+        for condition, one in situations.items()
         for n_cycles in (2, 5)
         for policy, settings in policies.items()
     ]
@@ -90,7 +107,7 @@ def test_return_is_the_discounted_sum_by_hand(cells: list[Cell]) -> None:
     gain, offset = model.arrays.gain, model.arrays.offset  # rows: action * 2 + preference
     first = gain[2] * 0 + offset[2]
     second = gain[3] * first + offset[3]
-    costs = [(f**2).sum() / 78 for f in (first, second)]
+    costs = [(f**2).sum() / model.entries for f in (first, second)]
     assert result.discounted_return == pytest.approx(-costs[0] - 0.95 * costs[1])
     assert result.final_cost == pytest.approx(costs[1]) and result.peak_cost == pytest.approx(max(costs))
     assert policy.observed == [(1, 0), (1, 1)]
@@ -125,17 +142,40 @@ def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell])
     assert abs(np.corrcoef(planner, chance)[0, 1]) < 5 / np.sqrt(1000)  # false alarm 6e-7
 
 
-def test_novices_choose_evenly_and_start_with_the_initial_probabilities(cells: list[Cell]) -> None:
+def test_every_run_plans_with_draws_of_its_own(cells: list[Cell], monkeypatch: pytest.MonkeyPatch) -> None:
+    """No number a policy draws is drawn by another one, in another run or by the world."""
+    drawn: list[float] = []
+
+    class Drawing(Fixed):
+        def observe(self, action: int, observation: int) -> None:
+            drawn.extend(self.numbers)
+
+        def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
+            self.numbers = rng.random(5)
+            return super().act(belief, rng)
+
+    monkeypatch.setattr(grid, "build_policy", lambda _: Drawing(0))
+    for cell in cells:
+        cell.run([0, 1])
+    for key in {(cell.seed, cell.condition, cell.n_cycles) for cell in cells}:
+        for world in (draw_world(*key, trial) for trial in (0, 1)):
+            drawn += [*world.worker, world.start, *world.preference, *world.observation]
+    assert len(set(drawn)) == len(drawn) > 10 * len(cells)
+
+
+def test_novices_choose_evenly_and_start_with_the_initial_probabilities(
+    paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
     """Reactions and starts counted from what runs came to; binomial and chi-square, false alarm 1e-6 each."""
     from scipy.stats import binomtest, chisquare
 
-    cell = next(cell for cell in cells if cell.condition == "multiple_novice")
-    one = cell.situation
+    condition = "multiple_novice"
+    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
     costs = np.array([[-one.model.after(state, 0, u)[1] for u in range(2)] for state in one.states])
     assert len(set(costs.ravel())) == costs.size  # the cost tells which start and preference it was
     seen = np.zeros(costs.shape, dtype=int)
     for trial in range(3000):
-        world = draw_world(2023, cell.condition, 1, trial)
+        world = draw_world(2023, condition, 1, trial)
         result = run_trial(one, Fixed(0), "prior", 1, world, np.random.default_rng(0))
         seen[costs == result.final_cost] += 1
     assert seen.sum() == 3000
@@ -214,6 +254,24 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
     assert replace(cell, trials=99).digest() == cell.digest()
 
 
+def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: Machine) -> None:
+    key = cells[0].digest
+    same = key()
+    files = (
+        "fatigue/cycle_map.py",
+        "pomdp/beliefs/exact.py",
+        "planners/pomcp.py",
+        "benchmark/trial.py",
+        "streams.py",
+        "compiled.py",
+    )
+    keys = [machine.with_another_file(file, key) for file in files]
+    keys += [machine.with_another_version(grid, name, key) for name in ("numpy", "numba", "scipy")]
+    assert len({same, *keys}) == len(keys) + 1
+    for file in ("motion/simulator.py", "statistics/pairing.py", "cli/benchmark.py"):
+        assert machine.with_another_file(file, key) == same
+
+
 def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Path) -> None:
     run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
     part = sorted(tmp_path.glob("*/*.json"))[0]
@@ -224,6 +282,14 @@ def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Pa
         assert len(warnings) == 1 and "set aside" in warnings[0]
         assert part.with_suffix(f".damaged-{count}").exists()
         assert results[0][0].discounted_return == intact[0]["discounted_return"]
+
+
+def test_a_part_of_another_cell_is_set_aside(cells: list[Cell], tmp_path: Path) -> None:
+    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
+    ours, theirs = (tmp_path / cell.digest()[:16] for cell in cells[:2])
+    ours.rename(theirs)
+    store = TrialStore(tmp_path)
+    assert store.load(cells[1]) == {} and len(store.warnings) == len(list(theirs.glob("*.damaged-1"))) == 3
 
 
 def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Path) -> None:
@@ -277,8 +343,8 @@ def test_a_run_is_lived_through_again_from_its_actions(cells: list[Cell]) -> Non
         for trial, result in cell.run(cell.trial_numbers()[:3]).items():
             course = replay(cell, trial, result.actions)
             assert course.discounted_return == result.discounted_return  # to the last bit
-            assert course.fatigue.shape == (cell.n_cycles, 78) and len(course.observations) == cell.n_cycles
-            assert (course.fatigue[-1] ** 2).sum() / 78 == pytest.approx(result.final_cost, rel=1e-12)
+            assert course.fatigue.shape == (cell.n_cycles, 3) and len(course.observations) == cell.n_cycles
+            assert (course.fatigue[-1] ** 2).sum() / 3 == pytest.approx(result.final_cost, rel=1e-12)
 
 
 def test_choose_names_what_is_not_there() -> None:

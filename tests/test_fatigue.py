@@ -17,6 +17,7 @@ from fatigue_planner.fatigue.parameters import (
     fatigue_state,
 )
 from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.human.model import joint_index
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -131,6 +132,15 @@ def test_factors_on_the_rates_give_the_maps_of_workers_with_these_rates(
                 other = replace(parameters, **rates)
                 exact = integrate(motion.torque_nm, motion.time_step_s, other, np.full(78, 0.3))
                 np.testing.assert_allclose(0.3 * gain[i, j] + offset[i, j], exact, atol=1e-9, rtol=0)
+
+
+def test_every_entry_has_the_strength_of_its_direction(parameters: FatigueParameters) -> None:
+    positive, negative = maximum_torque("average_man").vectors()
+    assert (positive != negative).any()
+    for place, entry in enumerate(ENTRIES):
+        freedom, direction = entry.split(":")
+        strength = {"positive": positive, "negative": negative}[direction]
+        assert parameters.maximum_torque_nm[place] == strength[joint_index(freedom)], entry
 
 
 def test_names_of_fatigue_reach_their_entries() -> None:

@@ -76,6 +76,29 @@ def test_upper_body_centre_of_mass_matches_the_hand_calculation() -> None:
     assert np.average(heights, weights=masses) - place(human, "abdomen")[2] == pytest.approx(0.335, abs=0.002)
 
 
+def test_moments_of_inertia_by_hand() -> None:
+    """De Leva's radii of gyration about x (sagittal), y (transverse) and z (longitudinal), 75 kg and 1.75 m.
+
+    The foot's long axis is x. About the axis of a straight hanging arm only the longitudinal moments count.
+    """
+    body = Anthropometry(1.75, 75, "male")
+    sizes = {  # length in m, mass in % of the body's, radii in % of the length
+        "forearm": (body.length("forearm_length"), 1.62, [27.6, 26.5, 12.1]),
+        "thigh": (body.length("thigh_length"), 14.16, [32.9, 32.9, 14.9]),
+        "foot": (body.length("foot_length"), 1.37, [12.4, 24.5, 25.7]),
+        "thorax": (0.2421 * 1.75 / 1.741, 15.96 - 0.74, [50.5, 32.0, 46.5]),
+    }
+    for name, (length, mass, radii) in sizes.items():
+        expected = 75 * mass / 100 * (length * np.array(radii) / 100) ** 2
+        np.testing.assert_allclose(body.segment(name).inertia_kgm2, expected, rtol=1e-9, err_msg=name)
+    model = build_human(worker()).model
+    turning = pin.crba(model, model.createData(), pin.neutral(model)).diagonal()[
+        6 + joint_index("left_shoulder_rotation")
+    ]
+    arm = [body.segment(f"left_{name}").inertia_kgm2[2] for name in ("upper_arm", "forearm", "hand")]
+    assert turning == pytest.approx(sum(arm))
+
+
 def test_joint_centres_are_not_as_wide_as_the_body(human: Human) -> None:
     """Winter's breadths (.191 H, .259 H) are outer ones; joint centres are .105 H and .21 H apart."""
     hips = place(human, "left_thigh") - place(human, "right_thigh")

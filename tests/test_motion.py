@@ -1,6 +1,7 @@
 """The whole-body program: references, limits, contacts, optimality, and the paper's four motions."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from itertools import product
 
 import casadi as ca
 import numpy as np
@@ -19,6 +20,7 @@ from fatigue_planner.motion.loads import HandForce, TimedForce
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
 from fatigue_planner.motion.motion import ROWS, Motion, Phase
 from fatigue_planner.motion.quadratic_program import QuadraticProgram
+from fatigue_planner.motion.quality import NOT_BARS, Quality
 from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import Body, MotionRequest, Simulator, simulate
@@ -84,16 +86,17 @@ def test_wrench_cone_is_that_of_forces_at_four_corners() -> None:
 
 def test_a_joint_driven_hard_at_its_limit_never_passes_it() -> None:
     dt, limit = 0.005, 10.0
-    for start_speed in (0.0, 0.5, 2.0):
-        q, v = np.array([-0.4]), np.array([start_speed])
+    for start_speed, way in product((0.0, 0.5, 2.0), (1, -1)):  # to the upper and, in the mirror, to the lower limit
+        q, v = np.array([-0.4 * way]), np.array([start_speed * way])
+        lower, upper = np.sort([[-1.0 * way], [0.5 * way]], axis=0)
         for _ in range(2000):
             lowest, highest = np.empty(1), np.empty(1)
-            acceleration_bounds(q, v, np.array([-1.0]), np.array([0.5]), 3.0, limit, 2 * dt, lowest, highest)
+            acceleration_bounds(q, v, lower, upper, 3.0, limit, 2 * dt, lowest, highest)
             assert lowest <= highest
-            v = v + dt * np.clip(1e3, lowest, highest)
+            v = v + dt * np.clip(1e3 * way, lowest, highest)
             q = q + dt * v
-            assert q[0] <= 0.5 + 1e-12 and v[0] <= 3.0 + 1e-12
-        assert q[0] == pytest.approx(0.5, abs=1e-6)
+            assert q[0] * way <= 0.5 + 1e-12 and v[0] * way <= 3.0 + 1e-12
+        assert q[0] == pytest.approx(0.5 * way, abs=1e-6)
 
 
 def mid_reach(paper: Experiment, index: int) -> Body:
@@ -121,6 +124,8 @@ def test_condensed_program_solves_the_papers_program(paper: Experiment, index: i
     # unknowns (tau, a, w): the condensed program's rows and costs, its torque rows replaced
     torque_rows = slice(18, 18 + nj)
     T, h = body.controller._torque_map, body.state.nonlinear_effects[6:]
+    soles = [body.state.local_jacobian(body.state.frame(f"{side}_sole")) for side in ("right", "left")]
+    np.testing.assert_array_equal(T, np.hstack([body.state.mass_matrix[6:], -np.vstack(soles)[:, 6:].T]))
     D = np.diag(body.controller._torque_scale)
     H = np.zeros((nj + nv + 12, nj + nv + 12))
     H[:nj, :nj] = D
@@ -262,6 +267,14 @@ def test_nan_never_passes_the_checks(paper: Experiment, reactions: tuple[Reactio
     assert any("equation_of_motion" in fault for fault in faults)
 
 
+def test_no_number_of_a_quality_may_be_none(paper: Experiment) -> None:
+    sound = Quality(**{field.name: "" if field.type is str else 0 for field in fields(Quality)})
+    assert sound.faults(paper.accuracy) == []
+    numbers = [field.name for field in fields(Quality) if field.type is not str]
+    for name in {*numbers} - {*NOT_BARS} | {"work_hand_error_m", "work_hand_turn_rad"}:
+        assert len(replace(sound, **{name: np.nan}).faults(paper.accuracy)) == 1, name
+
+
 def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """A body moved by 10 cm misses its target and its footprints, whatever the controller noted."""
 
@@ -277,7 +290,7 @@ def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tu
 
 def test_an_answer_that_is_not_optimal_is_not_believed() -> None:
     """Wrong multipliers, a wrong point, or a violated bound, reported as a success, give no solution."""
-    for spoil in ("point", "multiplier"):
+    for spoil in ("point", "multiplier", "bound"):
         program = QuadraticProgram(2, 1, "daqp")
         program.H[:], program.A[:], program.g[:] = np.eye(2), 1, [-1, -2]
         program.lower[:], program.upper[:], program.row_lower[:], program.row_upper[:] = -np.inf, np.inf, -np.inf, 1
@@ -286,7 +299,10 @@ def test_an_answer_that_is_not_optimal_is_not_believed() -> None:
 
         def spoiled(solve=solve, program=program, spoil=spoil) -> None:
             solve()
-            (program._solution if spoil == "point" else program._multipliers)[0] += 0.1
+            if spoil == "bound":  # the answer without the row that holds it
+                program._solution[:], program._multipliers[:] = [1, 2], 0
+            else:
+                (program._solution if spoil == "point" else program._multipliers)[0] += 0.1
 
         program._evaluate = spoiled
         assert program.solve() is None

@@ -124,6 +124,13 @@ def test_the_maps_of_one_worker_and_of_two_are_stored_alike() -> None:
         assert model.arrays.gain.flags.c_contiguous and model.arrays.offset.flags.c_contiguous
 
 
+def test_recognition_is_as_the_matrix_says() -> None:
+    belief = two_starts(small_model(5.0, NOISY))
+    for state, action, preference in product(belief.states, range(2), range(2)):
+        seen = belief.model.observation_probabilities(state, action, preference)
+        np.testing.assert_array_equal(seen, NOISY[preference])
+
+
 @pytest.mark.parametrize("recognition", [None, NOISY])
 def test_expected_rewards_average_states_and_preferences(recognition: np.ndarray | None) -> None:
     model = small_model(0.0, recognition)

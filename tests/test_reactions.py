@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from conftest import PAPER
+from conftest import PAPER, Machine
 
 from fatigue_planner.errors import DamagedFileError, MissingReactionsError, OtherVersionError
 from fatigue_planner.executors.processes import LocalProcesses
@@ -17,6 +17,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.reactions import reaction as reaction_module
 from fatigue_planner.reactions.audit import audit
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 from fatigue_planner.reactions.entry import ARRAYS, entry_bytes, read_entry
@@ -126,6 +127,23 @@ def test_settings_that_matter_make_a_new_entry_and_others_do_not(paper: Experime
         changed(fatigue=paper.fatigue.model_copy(update={"threshold": 0.2})),
     ]
     assert {digest(experiment) for experiment in unimportant} == {same}
+
+
+def test_the_key_of_a_reaction_knows_sources_and_libraries(paper: Experiment, machine: Machine) -> None:
+    def key() -> str:
+        return reaction_requests(paper)[0].digest
+
+    files = (
+        "human/anthropometry.py", "human/data/segments.yaml", "human/data/strengths/average_man.yaml",
+        "motion/simulator.py", "motion/tasks/hand.py", "settings.py", "yaml_reader.py", "compiled.py",
+    )  # fmt: skip
+    same = key()
+    keys = [machine.with_another_file(file, key) for file in files]
+    libraries = ("pin", "casadi", "numpy", "numba", "scipy")
+    keys += [machine.with_another_version(reaction_module, name, key) for name in libraries]
+    assert len({same, *keys}) == len(keys) + 1
+    for file in ("fatigue/cycle_map.py", "planners/pomcp.py", "cli/simulate.py"):
+        assert machine.with_another_file(file, key) == same
 
 
 def test_inaccurate_motion_is_reported_and_never_kept(brief: Experiment, tmp_path: Path) -> None:

@@ -12,8 +12,9 @@ from fatigue_planner.errors import ExperimentError
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import build_human, joint_index
+from fatigue_planner.human.model import GRAVITY_MPS2, build_human, joint_index
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position, Waypoint
+from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.loads import CarriedMass, HandForce, TimedForce
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.schedule import SWITCH_S, Run, phases_of, runs_of, share_of
@@ -124,6 +125,17 @@ def test_a_weight_as_force_and_as_mass_load_the_joints_alike_at_rest(
     np.testing.assert_allclose(carried.torque_nm[end, arm], felt.torque_nm[end, arm], rtol=0.02)
     np.testing.assert_allclose(carried.torque_nm[end, arm[-1]], felt.torque_nm[end, arm[-1]], atol=1e-5)
     assert np.abs(felt.torque_nm[end, arm]).min() > 1
+
+
+def test_a_weight_pushes_as_the_mass_it_belongs_to(paper: Experiment) -> None:
+    """At rest, whatever the posture; no motion is simulated."""
+    light, heavy = (BodyState(build_human(paper.workers["average_man"], mass)) for mass in (0.0, 3.0))
+    configuration = light.configuration.copy()
+    configuration[7:] += np.random.default_rng(0).uniform(-0.3, 0.3, 39)
+    for state in (light, heavy):
+        state.update(configuration, np.zeros(45))
+    light.push(light.frame("right_grip"), np.array([0, 0, -3.0 * GRAVITY_MPS2]))
+    np.testing.assert_allclose(light.nonlinear_effects, heavy.nonlinear_effects, rtol=0, atol=1e-9)
 
 
 def test_a_horizontal_force_is_carried_to_the_ground(request_: MotionRequest, paper: Experiment) -> None:
