@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict
 
 from fatigue_planner import __version__
 from fatigue_planner.errors import DamagedFileError
-from fatigue_planner.files import publish_text
+from fatigue_planner.files import publish_text, remove_left_behind, set_aside
 
 MANIFEST_FILE = "manifest.json"
 LIBRARIES = ("numpy", "scipy", "pandas", "numba", "pin", "casadi", "h5py", "matplotlib")
@@ -26,17 +26,39 @@ def versions() -> dict[str, str]:
 def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> None:
     """Write the manifest: what made the files of a folder, from what, and their SHA-256.
 
-    Entries of other commands are kept, so one manifest describes the whole folder.
+    Entries of other commands are kept, so one manifest describes the whole folder; a damaged one is set aside. What
+    killed runs have left behind in the folder is removed. Raises OutputFolderError; DamagedFileError if a file, just
+    written, cannot be read.
     """
     path = folder / MANIFEST_FILE
-    try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-        manifest = manifest if isinstance(manifest, dict) else {}
-    except (OSError, ValueError):
-        manifest = {}
-    hashes = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    manifest = _read_manifest(path)
+    hashes = {file.relative_to(folder).as_posix(): _sha256(file) for file in files}
     manifest[made_by] = {"versions": versions(), **configuration, "sha256": hashes}
     publish_text(path, json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n")
+    remove_left_behind(folder)
+
+
+def _read_manifest(path: Path) -> dict[str, Any]:
+    """What the other commands have noted; nothing if there is no manifest, or only a damaged one."""
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise DamagedFileError(f"{path}: cannot be read ({error.strerror}).") from error
+    except ValueError:
+        manifest = None
+    if isinstance(manifest, dict):
+        return manifest
+    set_aside(path)
+    return {}
+
+
+def _sha256(file: Path) -> str:
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()
+    except OSError as error:
+        raise DamagedFileError(f"{file}: cannot be read ({error.strerror}).") from error
 
 
 class Note(BaseModel):

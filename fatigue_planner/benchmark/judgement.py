@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,10 @@ class Judgement(Job[Regret]):
 
     def digest(self) -> str:
         """See Job.digest."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
         return digest_of([self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *JUDGING)])
 
     def trial_numbers(self) -> range:

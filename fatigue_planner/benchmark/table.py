@@ -78,9 +78,11 @@ def read_keyed(
         raise DamagedFileError(f"{path}: is not one of our tables ({error}). Run `{command}`.") from error
     if list(table.columns) != [*key, *columns] or table.drop(columns=list(may_be_empty)).isna().any(axis=None):
         raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
-    twice = table.loc[table.duplicated(list(key)), list(key)]
-    if len(twice):
-        raise DamagedFileError(f"{path}: stands twice: {name_rows(twice, key)}. Run `{command}`.")
+    twice = table.duplicated(list(key))
+    if twice.any():
+        raise DamagedFileError(
+            f"{path}: stands twice: {name_rows(table[twice], key)}{_different(table, key)}. Run `{command}`."
+        )
     return table
 
 
@@ -94,6 +96,16 @@ def name_rows(rows: pd.DataFrame, key: Sequence[str] = KEY) -> str:
     shown = ["/".join(map(str, values)) for values in rows[list(key)].head(5).itertuples(index=False)]
     more = len(rows) - len(shown)
     return ", ".join(shown) + (f" and {more} more" if more else "")
+
+
+def _different(table: pd.DataFrame, key: Sequence[str]) -> str:
+    """The first two rows of one key that say different things, as a message shows them; nothing if all are equal."""
+    rows = table.drop_duplicates()
+    rows = rows[rows.duplicated(list(key), keep=False)]
+    if rows.empty:
+        return ""
+    one = rows[(rows[list(key)] == rows[list(key)].iloc[0]).all(axis=1)].drop(columns=list(key)).head(2)
+    return ", with different values: " + " and ".join(str(tuple(row)) for row in one.to_numpy().tolist())
 
 
 def _key(cell: Cell, trial: int) -> dict[str, Any]:

@@ -45,7 +45,7 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, references, selected
-from fatigue_planner.files import publish_csv, publish_text, writable_folder
+from fatigue_planner.files import publish_csv, publish_text, remove, writable_folder
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
@@ -130,7 +130,7 @@ def benchmark(
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
     for file in {REGRET_FILE, BOUNDS_FILE} - set(files):
-        (folder / file).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
+        remove(folder / file)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
@@ -175,10 +175,14 @@ def _measure_regret(
 
 
 def _run_bounds(cells: Sequence[Cell], store: Path, executor: Executor) -> pd.DataFrame:
-    with counter(talk()) as bar:
+    console = talk()
+    with counter(console) as bar:
         places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
         task = bar.add_task("Bounding the least cost", total=len(places))
-        return run_bounds(cells, writable_folder(store), executor, lambda: bar.advance(task))
+        bounds, warnings = run_bounds(cells, writable_folder(store), executor, lambda: bar.advance(task))
+    for warning in warnings:
+        console.print(f"Warning: {warning}", markup=False)
+    return bounds
 
 
 def _run(grid: Sequence[Job[T]], store: Path, executor: Executor, title: str) -> list[dict[int, T]]:

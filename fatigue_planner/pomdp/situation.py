@@ -56,9 +56,13 @@ class Situation:
 
     def fingerprint(self) -> dict[str, Any]:
         """All that decides what happens in the situation, as JSON values."""
-        prior = [] if self.prior is None else [one.plain() for one in self.prior.distributions]
+        prior, profiles = [], []
+        if self.prior is not None:  # other workers' maps follow from the profiles
+            prior = [one.plain() for one in self.prior.distributions]
+            profiles = [[profile.plain() for profile in row] for row in self.model.profiles]
         return {
             "model": fingerprint(self.model),
+            "profiles": profiles,
             "states": self.states.tolist(),
             "weights": self.weights.tolist(),
             "prior": prior,
