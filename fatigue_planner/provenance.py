@@ -4,6 +4,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,9 +19,15 @@ MANIFEST_FILE = "manifest.json"
 LIBRARIES = ("numpy", "scipy", "pandas", "numba", "pin", "casadi", "h5py", "matplotlib")
 
 
+@cache
+def versions_of(*libraries: str) -> dict[str, str]:
+    """Versions of some libraries."""
+    return {name: version(name) for name in libraries}
+
+
 def versions() -> dict[str, str]:
     """Versions of this program, Python and the libraries that decide results."""
-    return {"fatplan": __version__, "python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
+    return {"fatplan": __version__, "python": platform.python_version()} | versions_of(*LIBRARIES)
 
 
 def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any], files: list[Path]) -> None:

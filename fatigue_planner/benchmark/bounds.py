@@ -1,7 +1,6 @@
 """The cost that no policy can beat, for every condition and number of cycles; kept, as it takes seconds."""
 
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 import pandas as pd
@@ -23,6 +22,7 @@ from fatigue_planner.files import (
     set_aside,
 )
 from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.provenance import versions_of
 
 BOUNDS_FILE = "bounds.csv"
 CELL = ["condition", "n_cycles", "policy"]
@@ -39,8 +39,9 @@ def run_bounds(
 ) -> tuple[pd.DataFrame, list[str]]:
     """One row per condition and number of cycles with a known worker, and warnings about damaged files.
 
-    The columns are condition, n_cycles, cost_bound, exact. Bounds already in the folder are not computed again. `progress` hears of each. What killed runs have left behind
-    there is removed. Raises OutputFolderError, LostWorkError.
+    The columns are condition, n_cycles, cost_bound, exact. Bounds already in the folder are not computed again.
+    `progress` hears of each. What killed runs have left behind there is removed. Raises OutputFolderError,
+    LostWorkError.
     """
     remove_left_behind(folder)
     places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
@@ -83,8 +84,7 @@ def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
 
 def bound_digest(situation: Situation, n_cycles: int) -> str:
     """Key of a bound: everything that decides it."""
-    versions = {library: version(library) for library in NUMERICAL_LIBRARIES}
-    return digest_of([fingerprint(situation), n_cycles, digest_of_package(*SOURCES), versions])
+    return digest_of([fingerprint(situation), n_cycles, digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)])
 
 
 def _path(folder: Path, digest: str) -> Path:

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.provenance import versions_of
 from fatigue_planner.streams import stream
 
 # What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
@@ -57,9 +57,9 @@ class Cell(Job[TrialResult]):
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
-                "situation": self.situation.fingerprint(),
+                "situation": self.situation.digest,
                 "sources": digest_of_package(*SOURCES),
-                "versions": {library: version(library) for library in NUMERICAL_LIBRARIES},
+                "versions": versions_of(*NUMERICAL_LIBRARIES),
             }
         )
 

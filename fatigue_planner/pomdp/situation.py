@@ -1,11 +1,13 @@
 """A condition as the planners meet it: the task, where the worker may start, and what is hidden of him."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.files import digest_of
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings, initial_belief
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, Workers, fingerprint
@@ -53,6 +55,11 @@ class Situation:
     def leaves_nothing_to_chance(self) -> bool:
         """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
         return self.model.is_experts and len(self.weights) == 1 and self.prior is None and self.model.telling
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of all that decides what happens in the situation."""
+        return digest_of(self.fingerprint())
 
     def fingerprint(self) -> dict[str, Any]:
         """All that decides what happens in the situation, as JSON values."""

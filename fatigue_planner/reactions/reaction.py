@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, cached_property
-from importlib.metadata import version
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, digests_of_package
@@ -11,6 +10,7 @@ from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.motion.simulator import MotionRequest
+from fatigue_planner.provenance import versions_of
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
 SOURCES = ("human", "motion", "settings.py", "yaml_reader.py", "compiled.py")
@@ -116,7 +116,6 @@ def sources() -> dict[str, str]:
     return digests_of_package(*SOURCES)
 
 
-@cache
 def versions() -> dict[str, str]:
     """Versions of the libraries that decide the numbers of a motion."""
-    return {library: version(library) for library in NUMERICAL_LIBRARIES}
+    return versions_of(*NUMERICAL_LIBRARIES)
