@@ -67,7 +67,9 @@ class ReactionRequest:
     @cached_property
     def key(self) -> ReactionKey:
         """What decides the reaction."""
-        parts = vars(self.motion) | {"accuracy": self.accuracy}
+        # the name of a strength set, or the path of its file, decides nothing; its values are there
+        worker = self.motion.worker.model_copy(update={"strength": "see maximum_torque"})
+        parts = vars(self.motion) | {"worker": worker, "accuracy": self.accuracy}
         return ReactionKey({name: part.plain() for name, part in parts.items()}, sources(), versions())
 
     @property
