@@ -63,6 +63,8 @@ def failing(disk: FailingDisk) -> Iterator[FailingDisk]:
             return real_open(path, mode, *rest, **options)
         if disk.call("open"):
             raise disk.error(path)
+        if "opener" in options:  # a temporary file that only proves the folder
+            return real_open(path, mode, *rest, **options)
         buffered = io.BufferedWriter(_File(disk, path, mode.replace("b", "").replace("t", "")))
         if "b" in mode:
             return buffered
@@ -77,7 +79,8 @@ def failing(disk: FailingDisk) -> Iterator[FailingDisk]:
         real = getattr(os, name)
 
         def call(path: Any, *rest: Any, **options: Any) -> Any:
-            if is_ours(path) and disk.call(name):
+            idle = name == "mkdir" and Path(path).exists()  # whatever the disk is like, it says that it exists
+            if is_ours(path) and not idle and disk.call(name):
                 raise disk.error(path)
             return real(path, *rest, **options)
 

@@ -130,10 +130,11 @@ def undisturbed(small: Experiment, tmp_path_factory: pytest.TempPathFactory) -> 
     """An executor that knows everything, the calls of a run, and what is there in the end."""
     executor, folder = Remembering(), tmp_path_factory.mktemp("undisturbed")
     one_run(small, folder / "first", executor)
+    (folder / "second").mkdir()
     with failing(FailingDisk(folder / "second", None)) as disk:
         one_run(small, folder / "second", executor)
     assert hashes(folder / "first") == hashes(folder / "second")
-    assert {name: disk.calls.count(name) > 10 for name in ("open", "write", "fsync", "replace")}.values() == {True}
+    assert min(disk.calls.count(name) for name in ("open", "write", "fsync", "replace")) > 10
     return executor, disk.calls, hashes(folder / "first")
 
 

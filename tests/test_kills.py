@@ -1,5 +1,6 @@
 """SIGKILL at random moments of `simulate` and `benchmark`: nothing unreadable, and the same bytes in the end."""
 
+import copy
 import json
 import os
 import random
@@ -63,7 +64,8 @@ def commands(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> di
     experiment |= {"name": "quick", "cycle": {"reach_s": 1.0, "work_s": 0.2, "return_s": 1.0}, "actions": {}}
     for place in range(3):
         position = high["position_m"] | {"z": 1.2 + place / 100}
-        experiment["actions"][f"high{place}"] = {"right_hand": high | {"position_m": position}}
+        # a copy, as YAML would else refer to what stands in two places
+        experiment["actions"][f"high{place}"] = copy.deepcopy({"right_hand": high | {"position_m": position}})
     experiment["preferences"].pop("back")
     experiment["accuracy"] = {key: float(value) for key, value in experiment["accuracy"].items()}
     experiment["accuracy"]["hand_error_m"] = 0.05

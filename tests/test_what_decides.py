@@ -7,7 +7,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import PAPER, ROOT
-from deciding_settings import EXPERIMENT, RULES, Content, Rule, changed, has_no_other_value
+from deciding_settings import EXPERIMENT, NO_OTHER_VALUE, RULES, Content, Rule, changed, has_no_other_value
 from numpy.typing import NDArray
 from settings_leaves import Leaf, leaves, schema_leaves
 
@@ -27,6 +27,7 @@ from fatigue_planner.benchmark.judgement import Judgement
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.errors import FailedMotionError
 from fatigue_planner.executors.processes import LocalProcesses
+from fatigue_planner.experiment import resolve
 from fatigue_planner.experiment.loader import load_experiment, parse_experiment
 from fatigue_planner.experiment.resolve import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -69,8 +70,8 @@ def moved(reactions: tuple[Reaction, ...]) -> tuple[Reaction, ...]:
 
 
 @pytest.fixture(scope="module")
-def keys_of(moved: tuple[Reaction, ...]) -> Callable[[Content], Keys]:
-    """The keys of an experiment's content, were its motions still the same."""
+def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
+    """The keys of an experiment's content, were its motions still the same; strength files are read once."""
     known: dict[str, dict[ReactionName, CycleProfile]] = {}
 
     def keys(content: Content) -> Keys:
@@ -80,19 +81,18 @@ def keys_of(moved: tuple[Reaction, ...]) -> Callable[[Content], Keys]:
             known[what_tires] = cycle_profiles(experiment, moved)
         all_cells = cells(experiment, known[what_tires])
         judges = references(experiment, all_cells)
+        situations = {(cell.condition, cell.n_cycles): cell.situation for cell in all_cells}
         named = {(cell.condition, cell.n_cycles, cell.policy): cell for cell in all_cells}
         return Keys(
             {tuple(request.name): request.digest for request in reaction_requests(experiment)},
             {name: cell.digest() for name, cell in named.items()},
             {name: Judgement(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
-            {
-                name[:2]: bound_digest(cell.situation, name[1])
-                for name, cell in named.items()
-                if cell.situation.prior is None
-            },
+            {place: bound_digest(one, place[1]) for place, one in situations.items() if one.prior is None},
         )
 
-    return keys
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(resolve, "maximum_torque", cache(resolve.maximum_torque))
+        yield keys
 
 
 def rule_of(leaf: Leaf) -> Rule:
@@ -105,7 +105,17 @@ def _pattern(name: str) -> str:
     return name.replace("[", "[[]")
 
 
-EVERY_LEAF = list(leaves(parsed(EXPERIMENT), Experiment))
+def _leaves() -> Iterator[Leaf]:
+    """All that the paper's experiment has, and of what it has not the first of every name."""
+    papers = {leaf.path for leaf in leaves(load_experiment(PAPER), Experiment)}
+    seen = set()
+    for leaf in leaves(parsed(EXPERIMENT), Experiment):
+        if leaf.path in papers or leaf.name not in seen or leaf.name in NO_OTHER_VALUE:
+            seen.add(leaf.name)
+            yield leaf
+
+
+EVERY_LEAF = list(_leaves())
 
 
 def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
@@ -115,7 +125,8 @@ def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
     paper = load_experiment(PAPER)
     ours = {leaf.path for leaf in EVERY_LEAF if not has_no_other_value(leaf)}
     missing = [leaf.path for leaf in leaves(paper, Experiment) if leaf.path not in ours]
-    assert missing == [("initial_beliefs", "single", 0, "probability")]
+    # a chance that can only be 1, and one length of three, which would be as the others
+    assert missing == [("initial_beliefs", "single", 0, "probability"), ("benchmark", "n_cycles", 2)]
     assert {leaf.name for leaf in EVERY_LEAF} - {leaf.name for leaf in EVERY_LEAF if not has_no_other_value(leaf)} == {
         "benchmark.reference.kind"
     }
@@ -168,10 +179,11 @@ def test_a_strength_set_counts_by_its_values_not_by_its_name(
 ) -> None:
     base = keys_of(EXPERIMENT)
     content = copy.deepcopy(EXPERIMENT)
-    content["workers"]["average_man"]["strength"] = str(tmp_path / "mine.yaml")
     for values, same in (("", True), ("  neck_flexion: {positive: 1.0, source: none}\n", False)):
         rows = f"degrees_of_freedom:\n{values}" if values else "degrees_of_freedom: {}\n"
-        (tmp_path / "mine.yaml").write_text(f"population: mine\nbased_on: average_man\n{rows}")
+        path = tmp_path / f"{same}.yaml"
+        path.write_text(f"population: mine\nbased_on: average_man\n{rows}")
+        content["workers"]["average_man"]["strength"] = str(path)
         now = keys_of(content)
         assert (now.reactions == base.reactions) is same
 
