@@ -82,8 +82,8 @@ def _name_of(item: Any) -> str:
 
 @pytest.fixture(scope="module")
 def small(paper: Experiment) -> Experiment:
-    """Two quick reactions and three policies in two conditions."""
-    grid = selected(paper, Selection([5], ["single_novice", "single_expert"], ["random", "greedy"], 2, None, None))
+    """Two quick reactions and two policies in a condition."""
+    grid = selected(paper, Selection([5], ["single_expert"], ["random", "greedy"], 2, None, None))
     return grid.model_copy(
         update={
             "cycle": Cycle(reach_s=1.0, work_s=0.2, return_s=1.0),

@@ -161,6 +161,26 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
     assert list(tmp_path.glob("*.damaged-1")) and len(warnings) == 1 and "set aside" in warnings[0]
 
 
+def test_a_bound_under_a_wrong_name_is_set_aside(situations: dict[str, Situation], tmp_path: Path) -> None:
+    one = situations["single_expert"]
+    cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
+    first, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    two, four = sorted(tmp_path.glob("*.json"))
+    two.write_bytes(four.read_bytes())
+    again, warnings = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    pd.testing.assert_frame_equal(first, again)
+    assert len(warnings) == 1 and str(two) in warnings[0] and two.with_suffix(".damaged-1").exists()
+
+
+def test_a_judge_is_sent_the_actions_it_needs(situations: dict[str, Situation]) -> None:
+    cell = Cell("single_novice", 3, "p", GreedySettings(kind="greedy"), situations["single_novice"], 1, 9)
+    reference = ReferenceSettings(kind="lookahead", depth=1)
+    judgement = Judgement(cell, reference, {trial: (trial % 2, 0, 1) for trial in range(9)})
+    part = judgement.part([3, 4])
+    assert part.digest() == judgement.digest() and set(part.actions) == {3, 4}
+    assert part.run([3, 4]) == judgement.run([3, 4])
+
+
 def test_no_policy_beats_the_bound_of_the_papers_conditions(situations: dict[str, Situation]) -> None:
     """Greedy over 12 cycles, 200 runs: its mean may lie below the bound by chance once in 1e6 at most."""
     from scipy.stats import norm

@@ -1,7 +1,7 @@
 """What the decisions of finished runs lose, by the values of a reference."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -69,6 +69,10 @@ class Judgement(Job[Regret]):
     def trial_numbers(self) -> range:
         """See Job.trial_numbers."""
         return self.cell.trial_numbers()
+
+    def part(self, trials: Sequence[int]) -> "Judgement":
+        """See Job.part: the actions of the other trials stay here."""
+        return replace(self, actions={trial: self.actions[trial] for trial in trials})
 
     def run(self, trials: Sequence[int]) -> dict[int, Regret]:
         """See Job.run."""
