@@ -46,7 +46,8 @@ def run_bounds(
     remove_left_behind(folder)
     places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
     found: dict[Place, tuple[float, bool]] = {}
-    missing, warnings = [], []
+    missing: list[tuple[Place, Situation]] = []
+    warnings: list[str] = []
     for place, situation in places.items():
         kept = _read(folder, bound_digest(situation, place[1]), warnings)
         if kept is None:

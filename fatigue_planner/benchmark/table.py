@@ -34,8 +34,13 @@ KINDS |= dict.fromkeys(["condition", "policy", ACTIONS], str)
 def trial_table(cells: Sequence[Cell], results: Sequence[dict[int, TrialResult]]) -> pd.DataFrame:
     """All columns of all trials, in the order of the cells and trials."""
     rows = [
-        (*_key(cell, trial).values(), same, *_numbers(done[trial], OUTCOMES), _text(done[trial].actions))
-        + _numbers(done[trial], TIMES)
+        (
+            *_key(cell, trial).values(),
+            same,
+            *_numbers(done[trial], OUTCOMES),
+            _text(done[trial].actions),
+            *_numbers(done[trial], TIMES),
+        )
         for cell, done in zip(cells, results, strict=True)
         for same in [cell.is_deterministic()]
         for trial in sorted(done)
