@@ -4,7 +4,10 @@ import contextlib
 import hashlib
 import json
 import os
+import re
+import secrets
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from pathlib import Path
@@ -17,6 +20,10 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(__file__).parent
 DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file's name
+# A temporary file of a run that still goes on is younger: it is written in one go.
+LEFT_BEHIND_AFTER_S = 3600
+_TEMPORARY_MARK = "fatplan-unfinished-"
+_TEMPORARY = re.compile(rf"\..*{_TEMPORARY_MARK}[0-9a-z_]+(\.\w+)?")
 
 
 def writable_folder(folder: Path) -> Path:
@@ -26,7 +33,7 @@ def writable_folder(folder: Path) -> Path:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=folder):
+        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{_TEMPORARY_MARK}"):
             pass
     except OSError as error:
         raise OutputFolderError(
@@ -39,9 +46,11 @@ def publish(path: Path, write: Callable[[Path], object]) -> None:
     """Write a file so that it appears under its name whole or not at all.
 
     `write` receives a temporary path in the same folder (with the same suffix); what it leaves there
-    is flushed to the disk and renamed. Raises OutputFolderError if the folder cannot be written.
+    is flushed to the disk and renamed. A run that is killed leaves the temporary file, see `remove_left_behind`.
+    Raises OutputFolderError if the folder cannot be written.
     """
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    # the name is nobody else's, on no machine that shares the folder
+    temporary = path.with_name(f".{path.stem}.{_TEMPORARY_MARK}{secrets.token_hex(8)}{path.suffix}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(temporary)
@@ -64,13 +73,44 @@ def _sync_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
+def left_behind(folder: Path) -> list[Path]:
+    """Temporary files below a folder that a killed run has left, those of runs that still go on excepted."""
+    old = time.time() - LEFT_BEHIND_AFTER_S
+    found = []
+    for path in folder.rglob(f".*{_TEMPORARY_MARK}*"):
+        with contextlib.suppress(FileNotFoundError):  # another run was faster
+            if _TEMPORARY.fullmatch(path.name) and path.lstat().st_mtime < old:
+                found.append(path)
+    return sorted(found)
+
+
+def remove_left_behind(folder: Path) -> None:
+    """Remove what killed runs have left behind below a folder. Raises OutputFolderError if that cannot be done."""
+    for path in left_behind(folder):
+        remove(path)
+
+
+def remove(path: Path) -> None:
+    """Remove a file, if it is there. Raises OutputFolderError if that cannot be done."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputFolderError(f"{path}: cannot be removed ({error.strerror}).") from error
+
+
 def set_aside(path: Path) -> Path:
-    """Rename a damaged file so that it is read no more; returns its new path, never one in use."""
+    """Rename a damaged file so that it is read no more; returns its new path, never one in use.
+
+    Raises OutputFolderError if it cannot be renamed.
+    """
     number = 1
     while (aside := path.with_suffix(f".damaged-{number}")).exists():
         number += 1
-    with contextlib.suppress(FileNotFoundError):  # another run was faster
-        path.replace(aside)
+    try:
+        with contextlib.suppress(FileNotFoundError):  # another run was faster
+            path.replace(aside)
+    except OSError as error:
+        raise OutputFolderError(f"{path}: is damaged and cannot be set aside ({error.strerror}).") from error
     return aside
 
 

@@ -3,17 +3,16 @@
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
-from fatigue_planner import files
+from fatigue_planner import files, provenance
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import Reaction, versions
+from fatigue_planner.reactions.reaction import Reaction
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
@@ -58,10 +57,10 @@ class Machine:
         forget()
         return changed
 
-    def with_another_version(self, module: ModuleType, library: str, key: Callable[[], str]) -> str:
-        installed = module.version
+    def with_another_version(self, library: str, key: Callable[[], str]) -> str:
+        installed = provenance.version
         with self._monkeypatch.context() as patch:
-            patch.setattr(module, "version", lambda name: installed(name) + (".1" if name == library else ""))
+            patch.setattr(provenance, "version", lambda name: installed(name) + (".1" if name == library else ""))
             forget()
             changed = key()
         forget()
@@ -81,4 +80,4 @@ def machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Machine
 def forget() -> None:
     """Look at sources and versions again."""
     files.digests_of_package.cache_clear()
-    versions.cache_clear()
+    provenance.versions_of.cache_clear()

@@ -196,7 +196,7 @@ REACTIONS = (
         "reactions/reaction.py",
         'vars(self.motion) | {"accuracy": self.accuracy}',
         "vars(self.motion)",
-        "test_reactions.py::test_settings_that_matter_make_a_new_entry_and_others_do_not",
+        "test_what_decides.py::test_a_setting_changes_the_keys_of_what_it_decides_and_no_other[accuracy]",
     ),
     _f(
         "the seal of a reaction's file is not checked",

@@ -2,17 +2,13 @@
 
 import json
 import math
-import os
 import random
-import signal
-import subprocess
-import sys
-import time
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import PAPER, Machine
+from conftest import Machine
 from small_problems import STARTS, belief_in, small_model
 
 from fatigue_planner.benchmark import grid
@@ -37,6 +33,7 @@ from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import choose
+from fatigue_planner.files import publish_sealed
 from fatigue_planner.planners.policy import Decision, Policy, plain_decision
 from fatigue_planner.planners.settings import (
     GreedySettings,
@@ -255,7 +252,9 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
 
 
 def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: Machine) -> None:
-    key = cells[0].digest
+    def key() -> str:
+        return replace(cells[0]).digest()  # a new one: a cell knows its own
+
     same = key()
     files = (
         "fatigue/cycle_map.py",
@@ -266,7 +265,7 @@ def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: M
         "compiled.py",
     )
     keys = [machine.with_another_file(file, key) for file in files]
-    keys += [machine.with_another_version(grid, name, key) for name in ("numpy", "numba", "scipy")]
+    keys += [machine.with_another_version(name, key) for name in ("numpy", "numba", "scipy")]
     assert len({same, *keys}) == len(keys) + 1
     for file in ("motion/simulator.py", "statistics/pairing.py", "cli/benchmark.py"):
         assert machine.with_another_file(file, key) == same
@@ -316,6 +315,18 @@ def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell]
         store.load(cells[0])
 
 
+def test_two_rows_of_a_trial_in_one_part_are_an_error_too(cells: list[Cell], tmp_path: Path) -> None:
+    """Equal ones are ignored; so are times."""
+    cell = cells[0]
+    rows = [{"trial": 0, **asdict(result)} for result in cell.run([0, 0, 1]).values()]
+    path = tmp_path / cell.digest()[:16] / "0-0.json"
+    publish_sealed(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows[:1] * 2})
+    assert list(TrialStore(tmp_path).load(cell)) == [0]
+    publish_sealed(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows})
+    with pytest.raises(DamagedFileError, match="trial 0 of single_novice/2/random has two results"):
+        TrialStore(tmp_path).load(cell)
+
+
 def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path) -> None:
     with pytest.raises(MissingTableError, match="fatplan benchmark"):
         read_table(tmp_path, TRIALS_FILE, "fatplan benchmark")
@@ -328,7 +339,8 @@ def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path)
     path = tmp_path / TRIALS_FILE
     lines = path.read_text().splitlines()
     for bad, message in (
-        (lines[:3] + lines[2:3], "stands twice: single_novice/2/random/1"),
+        (lines[:3] + lines[2:3], "stands twice: single_novice/2/random/1. Run"),
+        ([*lines[:3], lines[2][:-3] + "999"], r"random/1, with different values: \(.*\) and \(.*999\)\. Run"),
         ([lines[0].replace("trial", "run"), *lines[1:]], "columns"),
         ([*lines[:2], lines[2][:-25] + ","], "gaps"),
         ([*lines[:2], lines[2].replace("-0.", "-x.")], "not one of our tables"),
@@ -352,39 +364,3 @@ def test_choose_names_what_is_not_there() -> None:
     assert choose("cycles", (5, 20), None) == [5, 20]
     with pytest.raises(SelectionError, match="--cycles 7: not in the experiment; available: 5, 20"):
         choose("cycles", (5, 20), [5, 7])
-
-
-@pytest.mark.parametrize(
-    "blows", [(3, 11, 23), pytest.param(tuple(range(2, 54, 3)), marks=pytest.mark.slow)], ids=["few", "many"]
-)
-def test_killed_run_goes_on_to_the_same_bytes(cache_folder: Path, tmp_path: Path, blows: tuple[int, ...]) -> None:
-    """SIGKILL when so many of the 56 parts are on disk, then the same command again."""
-    options = ["--cycles", "5", "--trials", "40", "--descents", "800", "--conditions", "single_novice", "--jobs", "2"]
-    command = [
-        sys.executable,
-        "-c",
-        "from fatigue_planner.cli.entry import run; run()",
-        "benchmark",
-        str(PAPER),
-        *options,
-    ]
-    folders = ["--cache", str(cache_folder), "--results"]
-    undisturbed, disturbed = tmp_path / "undisturbed", tmp_path / "disturbed"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
-    subprocess.run([*command, *folders, str(undisturbed)], check=True, **quiet)
-    kept = []
-    for enough in blows:
-        process = subprocess.Popen([*command, *folders, str(disturbed)], start_new_session=True, **quiet)
-        while process.poll() is None and len(list(disturbed.glob("*/parts/*/[0-9]*.json"))) < enough:
-            time.sleep(0.005)
-        os.killpg(process.pid, signal.SIGKILL)
-        process.communicate()
-        kept.append({path: path.read_bytes() for path in disturbed.glob("*/parts/*/[0-9]*.json")})
-    subprocess.run([*command, *folders, str(disturbed)], check=True, **quiet)
-    parts = len(list(disturbed.glob("*/parts/*/[0-9]*.json")))
-    assert all(0 < len(earlier) < parts for earlier in kept)  # every kill came before the end
-    for earlier in kept:
-        assert all(path.read_bytes() == content for path, content in earlier.items())
-    for name in ("trials.csv", "actions.csv", "comparison.csv", "contrasts.csv", "summary.txt", "manifest.json"):
-        (one,), (other,) = undisturbed.rglob(name), disturbed.rglob(name)
-        assert one.read_bytes() == other.read_bytes(), name

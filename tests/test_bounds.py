@@ -9,7 +9,6 @@ import pytest
 from scipy.stats import t as student
 from small_problems import choice_probabilities
 
-from fatigue_planner.benchmark.bounds import bound_of
 from fatigue_planner.benchmark.trial import run_trial
 from fatigue_planner.benchmark.world import draw_world
 from fatigue_planner.bounds import sub_solution
@@ -18,6 +17,7 @@ from fatigue_planner.bounds.history_classes import HistoryClasses
 from fatigue_planner.bounds.lookahead import look_ahead
 from fatigue_planner.bounds.quadratics import Quadratics
 from fatigue_planner.bounds.reaction_range import reaction_extremes
+from fatigue_planner.bounds.situation_bound import bound_of
 from fatigue_planner.bounds.task import hidden_state, known_state
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment

@@ -85,7 +85,11 @@ def test_why_names_the_source_and_the_library_that_have_changed(cache: Path, rea
 def test_gc_deletes_what_is_never_read_again_and_nothing_else(cache: Path, reactions: tuple[Reaction, ...]) -> None:
     wanted = {path.name for path in cache.iterdir()}
     old = keep(cache, outdated(reactions[1]))
-    aside, left, young = cache / "a.damaged-1", cache / ".x.123.h5", cache / ".y.124.h5"
+    aside, left, young = (
+        cache / "a.damaged-1",
+        cache / ".x.fatplan-unfinished-1.h5",
+        cache / ".y.fatplan-unfinished-2.h5",
+    )
     for path in (aside, left, young):
         path.write_bytes(b"x")
     os.utime(left, (time.time() - 7200,) * 2)

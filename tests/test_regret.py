@@ -8,13 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fatigue_planner.benchmark.bounds import BOUNDS_FILE, bound_of, publish_bounds, run_bounds
+from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.judgement import Judgement
 from fatigue_planner.benchmark.runner import run_grid
 from fatigue_planner.benchmark.table import REGRET_FILE, REGRETS, publish_table, read_table, regret_rows
 from fatigue_planner.benchmark.trial import cycle_of
 from fatigue_planner.benchmark.world import draw_world
+from fatigue_planner.bounds.situation_bound import bound_of
 from fatigue_planner.errors import ExperimentError
 from fatigue_planner.executors.processes import LocalProcesses
 from fatigue_planner.experiment.resolve import cycle_profiles, situation
@@ -145,9 +146,9 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
     one = situations["single_expert"]
     cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
     done = []
-    first = run_bounds(cells, tmp_path, LocalProcesses(2), lambda: done.append(1))
-    assert len(done) == 2 and list(first["exact"]) == [True, True]
-    again = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: done.append(1))
+    first, warnings = run_bounds(cells, tmp_path, LocalProcesses(2), lambda: done.append(1))
+    assert warnings == [] and len(done) == 2 and list(first["exact"]) == [True, True]
+    again, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: done.append(1))
     pd.testing.assert_frame_equal(first, again)
     belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
     for n, bound in zip((2, 4), first["cost_bound"], strict=True):
@@ -155,8 +156,29 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
         assert -whole.values(belief, np.random.default_rng(0)).max() == pytest.approx(bound, rel=1e-9)
     (damaged, *_) = tmp_path.glob("*.json")
     damaged.write_text(damaged.read_text().replace("cost", "c0st"))
-    pd.testing.assert_frame_equal(first, run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None))
-    assert list(tmp_path.glob("*.damaged-1"))
+    repaired, warnings = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    pd.testing.assert_frame_equal(first, repaired)
+    assert list(tmp_path.glob("*.damaged-1")) and len(warnings) == 1 and "set aside" in warnings[0]
+
+
+def test_a_bound_under_a_wrong_name_is_set_aside(situations: dict[str, Situation], tmp_path: Path) -> None:
+    one = situations["single_expert"]
+    cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
+    first, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    two, four = sorted(tmp_path.glob("*.json"))
+    two.write_bytes(four.read_bytes())
+    again, warnings = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    pd.testing.assert_frame_equal(first, again)
+    assert len(warnings) == 1 and str(two) in warnings[0] and two.with_suffix(".damaged-1").exists()
+
+
+def test_a_judge_is_sent_the_actions_it_needs(situations: dict[str, Situation]) -> None:
+    cell = Cell("single_novice", 3, "p", GreedySettings(kind="greedy"), situations["single_novice"], 1, 9)
+    reference = ReferenceSettings(kind="lookahead", depth=1)
+    judgement = Judgement(cell, reference, {trial: (trial % 2, 0, 1) for trial in range(9)})
+    part = judgement.part([3, 4])
+    assert part.digest() == judgement.digest() and set(part.actions) == {3, 4}
+    assert part.run([3, 4]) == judgement.run([3, 4])
 
 
 def test_no_policy_beats_the_bound_of_the_papers_conditions(situations: dict[str, Situation]) -> None:

@@ -7,7 +7,8 @@ import pandas as pd
 
 from fatigue_planner.benchmark.grid import Cell
 from fatigue_planner.benchmark.table import read_keyed
-from fatigue_planner.bounds.cost_bound import CostBound, cost_lower_bound
+from fatigue_planner.bounds.cost_bound import CostBound
+from fatigue_planner.bounds.situation_bound import bound_of, fingerprint
 from fatigue_planner.errors import LostWorkError
 from fatigue_planner.executors.executor import Executor, Lost
 from fatigue_planner.files import (
@@ -17,48 +18,38 @@ from fatigue_planner.files import (
     publish_csv,
     publish_sealed,
     read_sealed,
+    remove_left_behind,
     set_aside,
 )
 from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.provenance import versions_of
 
 BOUNDS_FILE = "bounds.csv"
 CELL = ["condition", "n_cycles", "policy"]
 BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
-SOURCES = ("bounds", "fatigue", "pomdp")
+# What produces a bound besides the situation: folders and modules of this package.
+SOURCES = ("bounds", "fatigue", "pomdp", "compiled.py")
+NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 Place = tuple[str, int]
 
 
-def bound_of(situation: Situation, n_cycles: int) -> CostBound:
-    """The bound of a situation whose worker is known."""
-    model = situation.model
-    live = model.live.size
-    if live == 0:  # nothing ever tires
-        return CostBound(cost=0.0, exact=True, state_revealed=False, exact_cycles=n_cycles, memory=0, seconds=0.0)
-    shape = (len(model.actions), len(model.outcomes), -1)
-    return cost_lower_bound(
-        model.arrays.gain.reshape(shape)[:, :, :live],
-        model.arrays.offset.reshape(shape)[:, :, :live],
-        float(model.workers.expertise[0]),
-        situation.states[:, :live],
-        situation.weights,
-        model.discount,
-        model.entries,
-        n_cycles,
-    )
+def run_bounds(
+    cells: Sequence[Cell], folder: Path, executor: Executor, progress: Callable[[], None]
+) -> tuple[pd.DataFrame, list[str]]:
+    """One row per condition and number of cycles with a known worker, and warnings about damaged files.
 
-
-def run_bounds(cells: Sequence[Cell], folder: Path, executor: Executor, progress: Callable[[], None]) -> pd.DataFrame:
-    """One row per condition and number of cycles with a known worker: condition, n_cycles, cost_bound, exact.
-
-    Bounds already in the folder are not computed again. `progress` hears of each. Raises OutputFolderError,
+    The columns are condition, n_cycles, cost_bound, exact. Bounds already in the folder are not computed again.
+    `progress` hears of each. What killed runs have left behind there is removed. Raises OutputFolderError,
     LostWorkError.
     """
+    remove_left_behind(folder)
     places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
     found: dict[Place, tuple[float, bool]] = {}
-    missing = []
+    missing: list[tuple[Place, Situation]] = []
+    warnings: list[str] = []
     for place, situation in places.items():
-        kept = _read(_path(folder, situation, place))
+        kept = _read(folder, bound_digest(situation, place[1]), warnings)
         if kept is None:
             missing.append((place, situation))
         else:
@@ -71,14 +62,15 @@ def run_bounds(cells: Sequence[Cell], folder: Path, executor: Executor, progress
         if isinstance(bound, Lost):
             lost.append(f"the bound of {place[0]}, {place[1]} cycles: {bound.reason}.")
             continue
-        content = {"condition": place[0], "n_cycles": place[1], "cost_bound": bound.cost, "exact": bound.exact}
-        publish_sealed(_path(folder, situation, place), content)
+        digest = bound_digest(situation, place[1])
+        content = {"digest": digest, "n_cycles": place[1], "cost_bound": bound.cost, "exact": bound.exact}
+        publish_sealed(_path(folder, digest), content)
         found[place] = bound.cost, bound.exact
         progress()
     if lost:
         raise LostWorkError("\n".join(lost))
     rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in places]
-    return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"])
+    return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"]), warnings
 
 
 def read_bounds(folder: Path, command: str) -> pd.DataFrame:
@@ -91,9 +83,13 @@ def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
     publish_csv(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS])
 
 
-def _path(folder: Path, situation: Situation, place: Place) -> Path:
-    key = digest_of([situation.fingerprint(), place[1], digest_of_package(*SOURCES)])
-    return folder / f"{key[:DIGEST_LENGTH]}.json"
+def bound_digest(situation: Situation, n_cycles: int) -> str:
+    """Key of a bound: everything that decides it."""
+    return digest_of([fingerprint(situation), n_cycles, digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)])
+
+
+def _path(folder: Path, digest: str) -> Path:
+    return folder / f"{digest[:DIGEST_LENGTH]}.json"
 
 
 def _bound(part: tuple[Place, Situation]) -> CostBound:
@@ -101,12 +97,14 @@ def _bound(part: tuple[Place, Situation]) -> CostBound:
     return bound_of(situation, n_cycles)
 
 
-def _read(path: Path) -> tuple[float, bool] | None:
-    """A kept bound; a damaged file is set aside."""
+def _read(folder: Path, digest: str, warnings: list[str]) -> tuple[float, bool] | None:
+    """A kept bound; a damaged file, or one under a wrong name, is set aside with a warning."""
+    path = _path(folder, digest)
     if not path.exists():
         return None
     content = read_sealed(path)
-    if content is None:
+    if content is None or content.get("digest") != digest:
         set_aside(path)
+        warnings.append(f"{path}: is damaged; it is set aside and its bound computed again.")
         return None
     return float(content["cost_bound"]), bool(content["exact"])

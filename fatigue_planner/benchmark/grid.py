@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,13 +14,15 @@ from fatigue_planner.files import digest_of, digest_of_package
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.situation import Situation
+from fatigue_planner.provenance import versions_of
 from fatigue_planner.streams import stream
 
-# What produces the numbers of a trial besides its settings and reactions.
+# What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
 SOURCES = (
     "fatigue", "pomdp", "planners", "benchmark/grid.py", "benchmark/trial.py", "benchmark/world.py", "streams.py",
     "compiled.py",
 )  # fmt: skip
+NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 
 @dataclass(frozen=True)
@@ -47,13 +49,17 @@ class Cell(Job[TrialResult]):
 
     def digest(self) -> str:
         """See Job.digest."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
         return digest_of(
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
-                "situation": self.situation.fingerprint(),
+                "situation": self.situation.digest,
                 "sources": digest_of_package(*SOURCES),
-                "versions": {library: version(library) for library in ("numpy", "numba", "scipy")},
+                "versions": versions_of(*NUMERICAL_LIBRARIES),
             }
         )
 

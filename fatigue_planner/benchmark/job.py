@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 T = TypeVar("T")
 
@@ -27,6 +27,10 @@ class Job(ABC, Generic[T]):
     @abstractmethod
     def trial_numbers(self) -> Sequence[int]:
         """The trials to do."""
+
+    def part(self, trials: Sequence[int]) -> Self:
+        """The job with what it takes to do these trials: what is sent to a worker."""
+        return self
 
     @abstractmethod
     def run(self, trials: Sequence[int]) -> dict[int, T]:

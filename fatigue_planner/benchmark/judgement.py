@@ -1,7 +1,8 @@
 """What the decisions of finished runs lose, by the values of a reference."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -59,11 +60,19 @@ class Judgement(Job[Regret]):
 
     def digest(self) -> str:
         """See Job.digest."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
         return digest_of([self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *JUDGING)])
 
     def trial_numbers(self) -> range:
         """See Job.trial_numbers."""
         return self.cell.trial_numbers()
+
+    def part(self, trials: Sequence[int]) -> "Judgement":
+        """See Job.part: the actions of the other trials stay here."""
+        return replace(self, actions={trial: self.actions[trial] for trial in trials})
 
     def run(self, trials: Sequence[int]) -> dict[int, Regret]:
         """See Job.run."""

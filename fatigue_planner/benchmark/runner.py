@@ -8,6 +8,7 @@ from fatigue_planner.benchmark.job import Job
 from fatigue_planner.benchmark.store import TrialStore
 from fatigue_planner.errors import LostWorkError
 from fatigue_planner.executors.executor import Executor, Lost
+from fatigue_planner.files import remove_left_behind
 
 TRIALS_PER_PART = 5
 
@@ -20,9 +21,10 @@ def run_grid(
     """All trials of all jobs of a grid, in its order, and warnings about damaged files.
 
     Trials already in the store are not run again; new ones are stored as they come. `progress` hears how many trials of
-    a job are done. Raises OutputFolderError if the store cannot be written; LostWorkError, when all others are done, if
-    some trials kill their workers.
+    a job are done. What killed runs have left behind in the store is removed. Raises OutputFolderError if the store
+    cannot be written; LostWorkError, when all others are done, if some trials kill their workers.
     """
+    remove_left_behind(store_folder)
     store = TrialStore(store_folder)
     results: list[dict[int, T]] = []
     parts: list[tuple[int, list[int]]] = []
@@ -34,7 +36,7 @@ def run_grid(
         parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
     parts.sort(key=lambda part: -grid[part[0]].effort * len(part[1]))
     lost = []
-    for place, done in executor.run(_run, [(grid[index], trials) for index, trials in parts]):
+    for place, done in executor.run(_run, [(grid[index].part(trials), trials) for index, trials in parts]):
         index, trials = parts[place]
         if isinstance(done, Lost):
             lost.append(f"{grid[index].name}, trials {trials[0]} to {trials[-1]}: {done.reason}")

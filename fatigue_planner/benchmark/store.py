@@ -39,7 +39,7 @@ class TrialStore:
         found: dict[int, T] = {}
         digest = job.digest()
         for path in sorted(self._folder(digest).glob("[0-9]*.json")):
-            for number, result in self._read(path, digest, job).items():
+            for number, result in self._read(path, digest, job):
                 if not job.accepts(number, result):
                     continue
                 earlier = job.outcome(found.setdefault(number, result))
@@ -53,13 +53,13 @@ class TrialStore:
     def _folder(self, digest: str) -> Path:
         return self.folder / digest[:DIGEST_LENGTH]
 
-    def _read(self, path: Path, digest: str, job: Job[T]) -> dict[int, T]:
+    def _read(self, path: Path, digest: str, job: Job[T]) -> list[tuple[int, T]]:
         content = read_sealed(path)
         try:
             if content is not None and content["digest"] == digest:
-                return {int(row.pop("trial")): job.result_of(row) for row in content["trials"]}
+                return [(int(row.pop("trial")), job.result_of(row)) for row in content["trials"]]
         except (ValueError, KeyError, TypeError, AttributeError):
             pass
         set_aside(path)
         self.warnings.append(f"{path}: is damaged; it is set aside and its trials run again.")
-        return {}
+        return []

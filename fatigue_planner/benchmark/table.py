@@ -34,8 +34,15 @@ KINDS |= dict.fromkeys(["condition", "policy", ACTIONS], str)
 def trial_table(cells: Sequence[Cell], results: Sequence[dict[int, TrialResult]]) -> pd.DataFrame:
     """All columns of all trials, in the order of the cells and trials."""
     rows = [
-        {**_key(cell, trial), SAME: cell.is_deterministic(), **vars(done[trial]), ACTIONS: _text(done[trial].actions)}
+        (
+            *_key(cell, trial).values(),
+            same,
+            *_numbers(done[trial], OUTCOMES),
+            _text(done[trial].actions),
+            *_numbers(done[trial], TIMES),
+        )
         for cell, done in zip(cells, results, strict=True)
+        for same in [cell.is_deterministic()]
         for trial in sorted(done)
     ]
     return pd.DataFrame(rows, columns=[*KEY, SAME, *OUTCOMES, ACTIONS, *TIMES])
@@ -78,9 +85,11 @@ def read_keyed(
         raise DamagedFileError(f"{path}: is not one of our tables ({error}). Run `{command}`.") from error
     if list(table.columns) != [*key, *columns] or table.drop(columns=list(may_be_empty)).isna().any(axis=None):
         raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
-    twice = table.loc[table.duplicated(list(key)), list(key)]
-    if len(twice):
-        raise DamagedFileError(f"{path}: stands twice: {name_rows(twice, key)}. Run `{command}`.")
+    twice = table.duplicated(list(key))
+    if twice.any():
+        raise DamagedFileError(
+            f"{path}: stands twice: {name_rows(table[twice], key)}{_different(table, key)}. Run `{command}`."
+        )
     return table
 
 
@@ -96,8 +105,22 @@ def name_rows(rows: pd.DataFrame, key: Sequence[str] = KEY) -> str:
     return ", ".join(shown) + (f" and {more} more" if more else "")
 
 
+def _different(table: pd.DataFrame, key: Sequence[str]) -> str:
+    """The first two rows of one key that say different things, as a message shows them; nothing if all are equal."""
+    rows = table.drop_duplicates()
+    rows = rows[rows.duplicated(list(key), keep=False)]
+    if rows.empty:
+        return ""
+    one = rows[(rows[list(key)] == rows[list(key)].iloc[0]).all(axis=1)].drop(columns=list(key)).head(2)
+    return ", with different values: " + " and ".join(str(tuple(row)) for row in one.to_numpy().tolist())
+
+
 def _key(cell: Cell, trial: int) -> dict[str, Any]:
     return {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
+
+
+def _numbers(result: TrialResult, names: Sequence[str]) -> tuple[float, ...]:
+    return tuple(getattr(result, name) for name in names)
 
 
 def _text(actions: Sequence[int]) -> str:

@@ -46,7 +46,7 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.selection import Selection, cells, references, selected
-from fatigue_planner.files import publish_csv, publish_text, writable_folder
+from fatigue_planner.files import publish_csv, publish_text, remove, writable_folder
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
@@ -137,7 +137,7 @@ def benchmark(
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
     for file in {REGRET_FILE, BOUNDS_FILE} - set(files):
-        (folder / file).unlink(missing_ok=True)  # of an earlier run, perhaps with other settings
+        remove(folder / file)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
@@ -204,7 +204,9 @@ def _measure_regret(
 def _run_bounds(cells: Sequence[Cell], store: Path, executor: Executor) -> pd.DataFrame:
     places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
     with progress("Bounding the least cost", len(places), kept=("bounds", store)) as counter:
-        return run_bounds(cells, writable_folder(store), executor, counter.advance)
+        bounds, warnings = run_bounds(cells, writable_folder(store), executor, counter.advance)
+    warn(warnings)
+    return bounds
 
 
 def _run(grid: Sequence[Job[T]], store: Path, executor: Executor, title: str, what: str) -> list[dict[int, T]]:

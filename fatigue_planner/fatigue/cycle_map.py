@@ -1,6 +1,7 @@
 """What one cycle does to fatigue: an exact affine map per entry."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +45,10 @@ class CycleProfile:
     rest_s: Vector
     fatigue_rate: Vector
     recovery_rate: Vector
+
+    def plain(self) -> dict[str, Any]:
+        """The profile as JSON values."""
+        return {name: values.tolist() for name, values in vars(self).items()}
 
     def cycle_map(self) -> CycleMap:
         """The cycle's map with the worker's own rates."""

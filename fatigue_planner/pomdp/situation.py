@@ -1,11 +1,13 @@
 """A condition as the planners meet it: the task, where the worker may start, and what is hidden of him."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.files import digest_of
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings, initial_belief
 from fatigue_planner.pomdp.fatigue_model import FatiguePomdp, Workers, fingerprint
@@ -54,11 +56,20 @@ class Situation:
         """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
         return self.model.is_experts and len(self.weights) == 1 and self.prior is None and self.model.telling
 
+    @cached_property
+    def digest(self) -> str:
+        """Digest of all that decides what happens in the situation."""
+        return digest_of(self.fingerprint())
+
     def fingerprint(self) -> dict[str, Any]:
         """All that decides what happens in the situation, as JSON values."""
-        prior = [] if self.prior is None else [one.plain() for one in self.prior.distributions]
+        prior, profiles = [], []
+        if self.prior is not None:  # other workers' maps follow from the profiles
+            prior = [one.plain() for one in self.prior.distributions]
+            profiles = [[profile.plain() for profile in row] for row in self.model.profiles]
         return {
             "model": fingerprint(self.model),
+            "profiles": profiles,
             "states": self.states.tolist(),
             "weights": self.weights.tolist(),
             "prior": prior,

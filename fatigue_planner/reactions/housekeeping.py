@@ -1,17 +1,14 @@
 """What in the cache's folder no run of this program will ever read again."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from fatigue_planner.errors import DamagedFileError, OtherVersionError
+from fatigue_planner.files import left_behind
 from fatigue_planner.reactions.cache import ReactionCache, read_content
 from fatigue_planner.reactions.entry import read_key
 from fatigue_planner.reactions.why import Stored
-
-# A temporary file of a run that still goes on is younger: it is written in one go.
-LEFT_BEHIND_AFTER_S = 3600
 
 
 @dataclass(frozen=True)
@@ -52,10 +49,8 @@ def contents(cache: ReactionCache, progress: Callable[[], None] = lambda: None) 
 
 def useless(cache: ReactionCache, found: Contents) -> list[Useless]:
     """Files that this program has made and will not read again; damaged ones are left to `simulate`, which says so."""
-    old = time.time() - LEFT_BEHIND_AFTER_S
     reasons = {one.path: "made by other sources or libraries" for one in found.other}
     reasons |= {path: "of another format" for path, _ in found.unreadable}
     reasons |= dict.fromkeys(cache.folder.glob("*.damaged-*"), "was set aside as damaged")
-    left = [path for path in cache.folder.glob(".*.h5") if path.stat().st_mtime < old]
-    reasons |= dict.fromkeys(left, "left behind by a run that was killed")
+    reasons |= dict.fromkeys(left_behind(cache.folder), "left behind by a run that was killed")
     return [Useless(path, reason, path.stat().st_size) for path, reason in sorted(reasons.items())]

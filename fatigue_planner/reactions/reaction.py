@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
-from functools import cache, cached_property
-from importlib.metadata import version
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from fatigue_planner.files import DIGEST_LENGTH, digest_of, digests_of_package
@@ -11,6 +10,7 @@ from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.motion.simulator import MotionRequest
+from fatigue_planner.provenance import versions_of
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
 SOURCES = ("human", "motion", "settings.py", "yaml_reader.py", "compiled.py")
@@ -67,7 +67,9 @@ class ReactionRequest:
     @cached_property
     def key(self) -> ReactionKey:
         """What decides the reaction."""
-        parts = vars(self.motion) | {"accuracy": self.accuracy}
+        # the name of a strength set, or the path of its file, decides nothing; its values are there
+        worker = self.motion.worker.model_copy(update={"strength": "see maximum_torque"})
+        parts = vars(self.motion) | {"worker": worker, "accuracy": self.accuracy}
         return ReactionKey({name: part.plain() for name, part in parts.items()}, sources(), versions())
 
     @property
@@ -116,7 +118,6 @@ def sources() -> dict[str, str]:
     return digests_of_package(*SOURCES)
 
 
-@cache
 def versions() -> dict[str, str]:
     """Versions of the libraries that decide the numbers of a motion."""
-    return {library: version(library) for library in NUMERICAL_LIBRARIES}
+    return versions_of(*NUMERICAL_LIBRARIES)
