@@ -293,4 +293,7 @@ def _other_text(leaf: Leaf, content: Content) -> str:
         other = OTHER_TEXT[key]
         return other if isinstance(other, str) else other[leaf.value]
     names = content["benchmark"]["conditions" if leaf.value in content["benchmark"]["conditions"] else "policies"]
-    return next(name for name in names if name != leaf.value)
+    group: Any = content
+    for step in leaf.path[:-1]:
+        group = group[step]
+    return next(name for name in names if name not in group)
