@@ -28,11 +28,20 @@ class Cluster:
         options = ["--port", "0", "--host", "127.0.0.1", "--no-dashboard", "--scheduler-file", str(file)]
         options += ["--idle-timeout", "3600 seconds"]  # ends, and with it the workers, whatever becomes of the tests
         self.scheduler = self._start("scheduler", [*options, "--protocol", scheme], {})
-        deadline = time.monotonic() + 30
-        while not file.exists():
+        try:
+            self.address = self._address_in(file)
+        except BaseException:
+            self.close()
+            raise
+
+    def _address_in(self, file: Path) -> str:
+        """What the scheduler writes as soon as it can be reached; not all at once."""
+        deadline = time.monotonic() + 60
+        while True:
             assert self.scheduler.poll() is None and time.monotonic() < deadline, self.log("scheduler")
+            with suppress(FileNotFoundError, json.JSONDecodeError):
+                return str(json.loads(file.read_text())["address"])
             time.sleep(0.05)
-        self.address: str = json.loads(file.read_text())["address"]
 
     def add(self, *options: str, nanny: bool = True, **environment: str) -> None:
         """Start a worker; without a nanny it is one process and needs to be told to use one thread."""

@@ -350,12 +350,17 @@ OFTEN_WITHOUT_EFFECT = (
 )  # fmt: skip
 
 
-@cache
+TORQUES: dict[str, NDArray[np.float64] | None] = {}
+
+
 def torques(request: ReactionRequest) -> NDArray[np.float64] | None:
-    try:
-        return simulate(request.motion).torque_nm
-    except FailedMotionError:
-        return None
+    """The joint torques of a motion, None where it cannot be performed."""
+    if request.digest not in TORQUES:
+        try:
+            TORQUES[request.digest] = simulate(request.motion).torque_nm
+        except FailedMotionError:
+            TORQUES[request.digest] = None
+    return TORQUES[request.digest]
 
 
 @pytest.mark.slow
@@ -370,7 +375,7 @@ def test_a_setting_of_the_motion_changes_a_motion_indeed(section: str) -> None:
         free = any(fnmatch.fnmatchcase(leaf.name, name) for name in OFTEN_WITHOUT_EFFECT)
         decided = [name for name in first if rule.reactions(leaf, name)]
         requests = {request.name: request for request in reaction_requests(parsed(changed(leaf, EXPERIMENT)))}
-        for name in decided:
+        for name in decided[:2] if free else decided:
             before = torques(first[name])
             if before is None:  # cannot be performed
                 continue
