@@ -95,7 +95,8 @@ class Noticed:
         return self._aside("trials", len(store.warnings) == 1)
 
     def _bound(self) -> bool:
-        return self._aside("bound", bounds._read(self.path("bound")) is None)
+        digest = bounds.bound_digest(self._grid[0].situation, self._grid[0].n_cycles)
+        return self._aside("bound", bounds._read(self.folder / "bounds", digest, []) is None)
 
     def _aside(self, kind: str, noticed: bool) -> bool:
         for path in self.folder.glob("*/**/*.damaged-1"):

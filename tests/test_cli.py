@@ -52,7 +52,7 @@ def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
     """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
     path = tmp_path / "far.yaml"
     text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
-    path.write_text(text.replace("time_step_s: 0.005", "time_step_s: 0.01"))
+    path.write_text(text.replace("time_step_s: 0.01", "time_step_s: 0.02"))
     done = fatplan("simulate", path, "--cache", tmp_path / "cache")
     assert done.returncode == 3, done.stderr
     failed = [line for line in done.stdout.splitlines() if "FAILED" in line]

@@ -59,7 +59,7 @@ def test_simulate(cache_folder: Path, tmp_path: Path) -> None:
     assert 0 < first["hand_error_m"] < 0.02 and 0.3 < first["largest_load_share"] < 0.8
     far = tmp_path / "far.yaml"
     text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
-    far.write_text(text.replace("time_step_s: 0.005", "time_step_s: 0.02"))
+    far.write_text(text.replace("time_step_s: 0.01", "time_step_s: 0.02"))
     found = document(documents.Simulation, "simulate", far, "--cache", tmp_path, code=3)
     assert found["failed"] >= 2
     failed = [one for one in found["reactions"] if one["verdict"] == "failed"]

@@ -128,6 +128,7 @@ def test_full_and_closed_streams() -> None:
     assert done.returncode == 2 and "No such command" in done.stderr and "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_message(tmp_path: Path, cache_folder: Path) -> None:
     """One message, exit code 2, nothing of the broken files left; with room again the commands go on."""
     grid = ["--cycles", 5, "--conditions", "single_expert", "--policies", "greedy", "--policies", "alternating"]
@@ -141,7 +142,7 @@ def test_a_full_disk_is_one_message(tmp_path: Path, cache_folder: Path) -> None:
     whole = contents()
     shutil.rmtree(tmp_path / "results")
     coarse = tmp_path / "coarse.yaml"
-    coarse.write_text(PAPER.read_text().replace("time_step_s: 0.005", "time_step_s: 0.01"))
+    coarse.write_text(PAPER.read_text().replace("time_step_s: 0.01", "time_step_s: 0.02"))
     export = ["human", "export", PAPER, "--output", tmp_path / "human.urdf"]
     report = ["human", "report", PAPER, "--cache", cache_folder, "--output", tmp_path / "human.md"]
     for command in (run, export, report, ["simulate", coarse, "--cache", tmp_path / "cache"]):
@@ -160,7 +161,7 @@ def test_every_exit_code_but_the_interrupts(tmp_path: Path, cache_folder: Path) 
     assert finished("simulate", tmp_path / "none.yaml").returncode == ExitCode.BAD_INPUT
     far = tmp_path / "far.yaml"
     text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
-    far.write_text(text.replace("time_step_s: 0.005", "time_step_s: 0.02"))
+    far.write_text(text.replace("time_step_s: 0.01", "time_step_s: 0.02"))
     assert finished("simulate", far, "--cache", tmp_path / "far").returncode == ExitCode.FAILED_PARTS
     cache = tmp_path / "cache"
     shutil.copytree(cache_folder, cache)

@@ -61,6 +61,7 @@ def test_figures_stand_beside_their_data(results: Path) -> None:
         assert cell["discounted_return"].mean() == pytest.approx(row["mean"], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_rebuilding_figures_changes_no_byte(results: Path, cache_folder: Path) -> None:
     before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     experiment = results.parent / "paper.yaml"
@@ -130,6 +131,7 @@ def test_claims_refuse_tables_that_are_not_the_experiments(results: Path, tmp_pa
     assert "No such file" in refused(2, "claims", tmp_path / "none.yaml")
 
 
+@pytest.mark.slow
 def test_the_report_is_written_from_the_published_tables(results: Path, cache_folder: Path, tmp_path: Path) -> None:
     """It changes no table, and judges the claims that lie beside the experiment."""
     folder = Path(shutil.copytree(results.parent, tmp_path / "results"))
@@ -196,6 +198,7 @@ def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: 
     assert "must end in .html" in refused(2, "compare", results, other, "--save", tmp_path / "x.txt")
 
 
+@pytest.mark.slow
 def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
     """Every document has the hashes of what lies in the folder, or the rows of its tables."""
     where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]

@@ -41,7 +41,8 @@ def contents(results: Path) -> dict[str, bytes]:
     return {name: next(results.glob(f"paper_*/{name}")).read_bytes() for name in TABLES}
 
 
-@pytest.mark.parametrize(("number", "code"), [SIGNALS[0], pytest.param(*SIGNALS[1], marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "code"), SIGNALS)
 def test_a_benchmark_stops_in_every_stage_and_ends_in_the_same_bytes(
     cache_folder: Path, tmp_path: Path, number: int, code: int
 ) -> None:

@@ -213,6 +213,7 @@ def test_workers_that_could_give_other_results_are_refused(
         assert list(executor.run(square, [3])) == [(0, 9)]
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_lost_is_one_error(tmp_path: Path) -> None:
     with cluster(tmp_path, workers=1) as one:
         found = []

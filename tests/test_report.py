@@ -116,6 +116,7 @@ def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
     assert {path.name: path.read_bytes() for path in folder.glob("*.csv")} == before
 
 
+@pytest.mark.slow
 def test_the_page_says_what_the_tables_say(
     paper: Experiment, small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery]
 ) -> None:
@@ -132,6 +133,7 @@ def test_the_page_says_what_the_tables_say(
     assert f"({significant(mean)})" in made[0] and f"({significant(mean)})" not in text
 
 
+@pytest.mark.slow
 def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
     small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path: Path
 ) -> None:

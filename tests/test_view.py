@@ -82,6 +82,7 @@ def test_the_page_needs_nothing_else(html: str) -> None:
     assert 'id="legend"' in html and "share of strength" in html
 
 
+@pytest.mark.slow
 def test_the_page_is_the_same_every_time(html: str, shown: Performance) -> None:
     before = set(threading.enumerate())
     assert page([shown]) == html

@@ -70,7 +70,7 @@ class _Commands(LazyGroup):
             "fatigue_planner.cli.doctor:doctor",
         ),
         LazyCommand("human", "Show or export the digital human of an experiment.", "fatigue_planner.cli.human:app"),
-        LazyCommand("cache", "Look after the reaction cache.", "fatigue_planner.cli.cache:app"),
+        LazyCommand("cache", "Look after the cache of reactions.", "fatigue_planner.cli.cache:app"),
     )
 
 
