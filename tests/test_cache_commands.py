@@ -42,10 +42,10 @@ def test_verify_checks_everything_again(cache: Path, reactions: tuple[Reaction, 
     torque = reactions[0].motion.torque_nm.copy()
     torque[100, 3] += 1e-3
     keep(cache, replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque)))
-    assert "average_man/high/arm failed: equation_of_motion_nm" in told(3, "verify", "--cache", cache)
+    assert "average_man/high/arm failed: equation_of_motion_nm" in told(3, "verify", "--cache", cache, "--jobs", 1)
     path = cache / file_name(reactions[2].name, reactions[2].digest)
     path.write_bytes(path.read_bytes()[:-1])
-    text = told(4, "verify", "--cache", cache)
+    text = told(4, "verify", "--cache", cache, "--jobs", 1)
     assert f"{path.name} DAMAGED: {path}: does not match its hash" in text and path.exists()  # nothing is changed
     assert "no reaction there" in told(2, "verify", "--cache", cache / "none")
 

@@ -90,6 +90,7 @@ def test_unwritable_folders(cache_folder: Path, tmp_path: Path) -> None:
     assert "cannot be written" in refused(2, "human", "export", PAPER, "--output", inside)
 
 
+@pytest.mark.slow
 def test_regret_and_bound_are_told_and_kept(cache_folder: Path, tmp_path: Path) -> None:
     """Five cycles of an expert: the bound is the optimum."""
     grid = ["--cycles", 5, "--conditions", "single_expert", "--policies", "greedy", "--policies", "alternating"]

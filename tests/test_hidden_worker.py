@@ -476,6 +476,7 @@ def test_the_docs_hidden_worker_is_understood(tmp_path: Path) -> None:
 # --- runs ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
     """Noisy recognition and hidden workers, particles and search: in this process or in two, to the last bit."""
     search = PomcpSettings(kind="pomcp", backup="max", exploration_constant=0.01, descents=30)

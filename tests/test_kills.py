@@ -155,6 +155,6 @@ def assert_nothing_is_left(folder: Path) -> None:
     assert not left_behind(folder)  # they are young
     age([*left, foreign])
     assert set(left_behind(folder)) == set(left)
-    foreign.unlink()
     remove_left_behind(folder)
     assert [path for path in folder.rglob(".*") if path.is_file()] == [foreign]
+    foreign.unlink()

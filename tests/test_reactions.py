@@ -83,6 +83,7 @@ def test_a_second_run_finds_everything(brief: Experiment, tmp_path: Path) -> Non
     assert cache.files() == [path] and (path.read_bytes(), path.stat().st_mtime_ns) == before
 
 
+@pytest.mark.slow
 def test_a_second_simulation_gives_the_same_bytes(brief: Experiment, tmp_path: Path) -> None:
     (one,), (other,) = (complete(brief, tmp_path / name)[0].files() for name in "ab")
     assert one.read_bytes() == other.read_bytes() and one.name == other.name

@@ -103,6 +103,7 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, Gallery]) -> N
     assert {path.name for path in gallery.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
 
 
+@pytest.mark.slow
 def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
     small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery], tmp_path: Path
 ) -> None:
