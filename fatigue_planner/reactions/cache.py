@@ -12,7 +12,7 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingReactionsError, OtherVersionError
+from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingReactionsError, OtherVersionError, listed
 from fatigue_planner.executors.executor import Executor, Lost
 from fatigue_planner.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
 from fatigue_planner.motion.quality import Quality, Verdict
@@ -88,7 +88,7 @@ class ReactionCache:
         missing = [str(request.name) for request in requests if request.digest[:DIGEST_LENGTH] not in places]
         if missing:
             raise MissingReactionsError(
-                f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {shortened(missing)}. Run "
+                f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {listed(missing)}. Run "
                 f"`{how}` first. If they were there once, `fatplan cache why EXPERIMENT` says what has changed."
             )
         return [places[request.digest[:DIGEST_LENGTH]][0] for request in requests]
@@ -197,9 +197,3 @@ def read_content(path: Path) -> bytes:
             os.close(descriptor)
     except OSError as error:
         raise DamagedFileError(f"{path}: cannot be read ({error.strerror}).") from error
-
-
-def shortened(names: Sequence[str], most: int = 5) -> str:
-    """Some names, the first few of them, and how many more there are."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
