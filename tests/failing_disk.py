@@ -80,6 +80,7 @@ def failing(disk: FailingDisk) -> Iterator[FailingDisk]:
 
         def call(path: Any, *rest: Any, **options: Any) -> Any:
             idle = name == "mkdir" and Path(path).exists()  # whatever the disk is like, it says that it exists
+            idle |= name == "open" and Path(path).is_file() and not rest[0] & (os.O_WRONLY | os.O_RDWR)  # is only read
             if is_ours(path) and not idle and disk.call(name):
                 raise disk.error(path)
             return real(path, *rest, **options)
