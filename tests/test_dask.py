@@ -1,5 +1,6 @@
 """Many machines: a Dask cluster gives the same bytes, whatever becomes of its workers."""
 
+import asyncio
 import random
 import signal
 import socket
@@ -12,6 +13,8 @@ from pathlib import Path
 import pytest
 from conftest import PAPER
 from dask_clusters import Cluster, Killer, cluster
+from distributed import Client
+from distributed.comm import CommClosedError
 from pieces import Deadly, Interrupt, die, fail, interrupt_after, interruptible, slow_square, square
 
 from fatigue_planner.benchmark.grid import Cell
@@ -143,6 +146,21 @@ def test_after_an_interrupt_what_is_in_progress_is_still_delivered(two: Cluster)
     with interruptible(), pytest.raises(Interrupt):
         found.extend(until_interrupted())
     assert 2 <= len(found) <= 6
+
+
+def test_a_connection_lost_while_a_result_comes_is_a_lost_scheduler(two: Cluster) -> None:
+    """The moment cannot be chosen: the error is put in the result's place."""
+
+    async def listen() -> bool:
+        async with Client(two.address, asynchronous=True) as client:
+            reports: list[object] = []
+            one = crew.Crew(client, lambda *what: reports.append(what), lambda: None, reports.append)
+            lost = asyncio.get_running_loop().create_future()
+            lost.set_exception(CommClosedError("Stream is closed"))
+            await one._listen("tcp://127.0.0.1:1", "key", lost)
+            return one._lost.is_set() and not reports
+
+    assert asyncio.run(listen())
 
 
 def test_a_scheduler_of_another_version_is_refused(two: Cluster, monkeypatch: pytest.MonkeyPatch) -> None:

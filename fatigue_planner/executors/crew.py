@@ -17,6 +17,7 @@ from importlib.metadata import version
 from typing import Any
 
 from distributed import Client, Future, KilledWorker
+from distributed.comm import CommClosedError
 from distributed.scheduler import NoValidWorkerError
 
 from fatigue_planner.errors import ClusterError, LostClusterError
@@ -163,7 +164,7 @@ class Crew:
         result: Any
         try:
             result = unpacked(await future)
-        except CancelledError:  # Dask's, not that of this coroutine
+        except (CancelledError, CommClosedError):  # Dask's, not that of this coroutine: the scheduler is gone
             self._lost.set()
             self._wake.set()
             return
