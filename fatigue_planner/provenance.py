@@ -68,11 +68,11 @@ def _read_manifest(path: Path) -> dict[str, Any]:
     return {}
 
 
-def _sha256(file: Path) -> str:
+def _sha256(file: Path, advice: str = "") -> str:
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError as error:
-        raise DamagedFileError(f"{file}: cannot be read ({error.strerror}).") from error
+        raise DamagedFileError(f"{file}: cannot be read ({error.strerror}).{advice}") from error
 
 
 class Note(BaseModel):
@@ -113,9 +113,5 @@ def read_note(folder: Path, made_by: str, kind: type[N], command: str) -> N:
 
 def check_intact(folder: Path, note: Note, file: str, command: str) -> None:
     """Raise DamagedFileError unless a file is what was written when the note was made."""
-    try:
-        digest = hashlib.sha256((folder / file).read_bytes()).hexdigest()
-    except OSError as error:
-        raise DamagedFileError(f"{folder / file}: cannot be read ({error.strerror}). Run `{command}`.") from error
-    if note.sha256.get(file) != digest:
+    if note.sha256.get(file) != _sha256(folder / file, f" Run `{command}`."):
         raise DamagedFileError(f"{folder / file}: is not what was written; it was altered or damaged. Run `{command}`.")

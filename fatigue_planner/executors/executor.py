@@ -16,6 +16,8 @@ from fatigue_planner.executors.interrupts import Interrupts
 T = TypeVar("T")
 R = TypeVar("R")
 
+# Linear algebra on several threads may sum in another order. What the libraries read when they are loaded:
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 # A piece of work that was alone with its worker when that died, so many times, is given up: it is what kills them.
 MOST_DEATHS = 3
 

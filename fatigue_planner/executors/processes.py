@@ -11,7 +11,7 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from fatigue_planner.executors.executor import Died, Executor, Pool
+from fatigue_planner.executors.executor import ONE_THREAD, Died, Executor, Pool
 
 
 def available_cores() -> int:
@@ -37,8 +37,7 @@ class LocalProcesses(Executor):
     @contextmanager
     def pool(self, work: Callable[[Any], Any], most: int) -> Iterator["_ProcessPool"]:
         """See Executor.pool."""
-        for library in ("OPENBLAS", "OMP", "MKL"):
-            os.environ[f"{library}_NUM_THREADS"] = "1"
+        os.environ |= dict.fromkeys(ONE_THREAD, "1")
         pool = _ProcessPool(work, min(self._jobs, most))
         try:
             yield pool

@@ -8,11 +8,9 @@ from functools import cache
 from typing import Any
 
 from fatigue_planner.errors import ClusterError
+from fatigue_planner.executors.executor import ONE_THREAD
 from fatigue_planner.files import DIGEST_LENGTH, digest_of_package
 from fatigue_planner.provenance import versions
-
-# Linear algebra on several threads may sum in another order. What the libraries read when they are loaded:
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @cache
