@@ -49,13 +49,13 @@ test-all: lint
 	$(BIN)/pytest -m ''
 
 bench: $(VENV)/.development
-	$(BIN)/python benchmarks/speed.py
-	$(BIN)/python benchmarks/placo/compare.py
-	$(BIN)/python benchmarks/convergence.py
-	$(BIN)/python benchmarks/gains.py
-	$(BIN)/python benchmarks/search_convergence.py
-	$(BIN)/python benchmarks/search/decisions.py
-	$(BIN)/python benchmarks/search/compare.py --figure docs/images/search_cost.png
+	$(BIN)/python perf/speed.py
+	$(BIN)/python perf/placo/compare.py
+	$(BIN)/python perf/convergence.py
+	$(BIN)/python perf/gains.py
+	$(BIN)/python perf/search_convergence.py
+	$(BIN)/python perf/search/decisions.py
+	$(BIN)/python perf/search/compare.py --figure docs/images/search_cost.png
 
 clean:
 	rm -rf $(VENV)

@@ -8,7 +8,7 @@ A tiger is behind one of two doors, gold behind the other one. Whoever listens h
 
 import numpy as np
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from fatigue_planner import files, provenance
-from fatigue_planner.executors.processes import LocalProcesses
+from fatigue_planner.core import files, provenance
+from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.experiment.build import load_reactions, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction

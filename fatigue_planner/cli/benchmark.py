@@ -7,25 +7,7 @@ from typing import Annotated, TypeVar
 import pandas as pd
 import typer
 
-from fatigue_planner.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
-from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
-from fatigue_planner.benchmark.grid import Cell
-from fatigue_planner.benchmark.job import Job
-from fatigue_planner.benchmark.judgement import Judgement
-from fatigue_planner.benchmark.runner import run_grid
-from fatigue_planner.benchmark.table import (
-    ACTIONS_FILE,
-    KEY,
-    OUTCOMES,
-    REGRET_FILE,
-    TIMES_FILE,
-    TRIALS_FILE,
-    publish_table,
-    regret_rows,
-    trial_table,
-)
-from fatigue_planner.benchmark.trial import TrialResult
-from fatigue_planner.cli.documents import BenchmarkPlan, BenchmarkRun
+from fatigue_planner.cli.json_output import BenchmarkPlan, BenchmarkRun
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -41,24 +23,42 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
-from fatigue_planner.executors.executor import Executor
+from fatigue_planner.core.executors.executor import Executor
+from fatigue_planner.core.files import publish_csv, publish_text, remove, writable_folder
+from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.selection import Selection, cells, references, selected
-from fatigue_planner.files import publish_csv, publish_text, remove, writable_folder
+from fatigue_planner.output.reports.html.labels import counted
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
-from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.reports.html.words import counted
-from fatigue_planner.statistics.comparison import comparison_table
-from fatigue_planner.statistics.contrast_text import contrast_text
-from fatigue_planner.statistics.contrasts import CONTRASTS_FILE, contrasts
-from fatigue_planner.statistics.gaps import gap_table, gap_text
-from fatigue_planner.statistics.regret import regret_table, regret_text
-from fatigue_planner.statistics.rows import records
-from fatigue_planner.statistics.summary import summary_text
+from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
+from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
+from fatigue_planner.study.benchmark.job import Job
+from fatigue_planner.study.benchmark.regret import Judgement
+from fatigue_planner.study.benchmark.runner import run_grid
+from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
+from fatigue_planner.study.benchmark.tables import (
+    ACTIONS_FILE,
+    KEY,
+    OUTCOMES,
+    REGRET_FILE,
+    TIMES_FILE,
+    TRIALS_FILE,
+    publish_table,
+    regret_rows,
+    trial_table,
+)
+from fatigue_planner.study.benchmark.trial import TrialResult
+from fatigue_planner.study.statistics.comparison import comparison_table
+from fatigue_planner.study.statistics.contrast_text import contrast_text
+from fatigue_planner.study.statistics.contrasts import CONTRASTS_FILE, contrasts
+from fatigue_planner.study.statistics.gaps import gap_table, gap_text
+from fatigue_planner.study.statistics.regret import regret_table, regret_text
+from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.summary import summary_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"

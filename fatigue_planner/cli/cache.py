@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.documents import (
+from fatigue_planner.cli.json_output import (
     CacheCheck,
     CacheContents,
     CacheMisses,
@@ -34,16 +34,16 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
-from fatigue_planner.errors import ExitCode, MissingReactionsError
-from fatigue_planner.executors.processes import LocalProcesses
+from fatigue_planner.core.errors import ExitCode, MissingReactionsError
+from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import reaction_requests
-from fatigue_planner.reactions.audit import Audit, audit
-from fatigue_planner.reactions.bundle import export_bundle, import_bundle
+from fatigue_planner.output.reports.html.labels import counted
+from fatigue_planner.reactions.archive import export_bundle, import_bundle
 from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.cache_miss import Miss, explain
 from fatigue_planner.reactions.housekeeping import Contents, contents, useless
-from fatigue_planner.reactions.why import Miss, explain
-from fatigue_planner.reports.html.words import counted
+from fatigue_planner.reactions.verify import Audit, audit
 
 app = typer.Typer(help="Look after the cache of reactions.", no_args_is_help=True)
 

@@ -7,20 +7,20 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.benchmark.table import TRIALS_FILE
-from fatigue_planner.claims.answers import VERDICTS
-from fatigue_planner.claims.evaluation import evaluate
-from fatigue_planner.claims.loader import load_claims
-from fatigue_planner.claims.tables import CLAIMS_FILE, DETAIL_FILE
-from fatigue_planner.claims.text import claims_text
-from fatigue_planner.cli.documents import JudgedClaims
+from fatigue_planner.cli.json_output import JudgedClaims
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.experiment.results import load_results
-from fatigue_planner.files import digest_of_files, publish_csv
-from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.statistics.rows import records
+from fatigue_planner.core.files import digest_of_files, publish_csv
+from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
+from fatigue_planner.study.benchmark.results import load_results
+from fatigue_planner.study.benchmark.tables import TRIALS_FILE
+from fatigue_planner.study.claims.answers import VERDICTS
+from fatigue_planner.study.claims.evaluation import evaluate
+from fatigue_planner.study.claims.loader import load_claims
+from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
+from fatigue_planner.study.claims.text import claims_text
+from fatigue_planner.study.statistics.rows import records
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 

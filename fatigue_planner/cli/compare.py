@@ -5,14 +5,14 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.documents import SideBySide
+from fatigue_planner.cli.json_output import SideBySide
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.errors import SelectionError
-from fatigue_planner.files import publish_text, writable_folder
-from fatigue_planner.reports.results.compare import compare as compared
-from fatigue_planner.reports.results.compare import compare_page, compare_text
-from fatigue_planner.reports.results.gallery import Gallery
-from fatigue_planner.statistics.rows import records
+from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.files import publish_text, writable_folder
+from fatigue_planner.output.reports.results.compare import compare as compared
+from fatigue_planner.output.reports.results.compare import compare_page, compare_text
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.study.statistics.rows import records
 
 
 def compare(

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import typer
 
-from fatigue_planner.cli.documents import Examination, Finding
+from fatigue_planner.cli.json_output import Examination, Finding
 from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, CacheFolder, ResultsFolder
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.errors import ExitCode, OutputFolderError
-from fatigue_planner.executors.processes import available_cores
-from fatigue_planner.files import writable_folder
-from fatigue_planner.provenance import versions
+from fatigue_planner.core.errors import ExitCode, OutputFolderError
+from fatigue_planner.core.executors.processes import available_cores
+from fatigue_planner.core.files import writable_folder
+from fatigue_planner.core.provenance import versions
 
 SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
@@ -66,7 +66,7 @@ def _solvers() -> Finding:
 
 
 def _compiler() -> Finding:
-    from fatigue_planner.compiled import cache_folder, compiled  # noqa: PLC0415 - takes a second
+    from fatigue_planner.core.jit import cache_folder, compiled  # noqa: PLC0415 - takes a second
 
     begin = time.perf_counter()
     three = compiled(_successor)(2)

@@ -6,7 +6,7 @@ import sys
 
 from fatigue_planner.cli.failure import tell_stopped
 from fatigue_planner.cli.signals import Signals, Stopped
-from fatigue_planner.errors import ExitCode
+from fatigue_planner.core.errors import ExitCode
 
 
 def run() -> None:
@@ -29,7 +29,7 @@ def run() -> None:
 
 
 def _outcome(arguments: list[str], signals: Signals) -> int:
-    from fatigue_planner.cli.outcome import ReaderGoneError, disk_fault, outcome  # noqa: PLC0415 - after the signals
+    from fatigue_planner.cli.run_command import ReaderGoneError, disk_fault, outcome  # noqa: PLC0415 - after the signals
 
     try:
         code = outcome(arguments, signals.work_begins)

@@ -1,6 +1,6 @@
 """`fatplan figures`: the figures of a finished benchmark."""
 
-from fatigue_planner.cli.documents import FilesOf
+from fatigue_planner.cli.json_output import FilesOf
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -11,13 +11,13 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
+from fatigue_planner.core.files import writable_folder
+from fatigue_planner.core.provenance import publish_manifest
+from fatigue_planner.experiment.build import load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions, reaction_requests, worker_fatigue
-from fatigue_planner.experiment.results import load_results
-from fatigue_planner.files import writable_folder
-from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.statistics.comparison import comparison_table
+from fatigue_planner.study.benchmark.results import load_results
+from fatigue_planner.study.statistics.comparison import comparison_table
 
 
 def figures(
@@ -32,8 +32,8 @@ def figures(
     of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
     """
     settings = load_experiment(experiment)
-    from fatigue_planner.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
-    from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415
+    from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
+    from fatigue_planner.output.reports.results.figure_folder import Gallery  # noqa: PLC0415
 
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     gallery = Gallery(results / settings.name)

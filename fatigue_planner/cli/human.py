@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.documents import ExportedHuman, HumanPage
+from fatigue_planner.cli.json_output import ExportedHuman, HumanPage
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -16,17 +16,17 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.errors import SelectionError
+from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.files import publish_text
+from fatigue_planner.experiment.build import load_reactions
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import load_reactions
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.selection import choose
-from fatigue_planner.exports.urdf import urdf_text
-from fatigue_planner.exports.worker_tables import joint_frame, segment_frame
-from fatigue_planner.files import publish_text
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
-from fatigue_planner.reports.human.page import human_page
+from fatigue_planner.human.urdf import urdf_text
+from fatigue_planner.human.worker_tables import joint_frame, segment_frame
+from fatigue_planner.output.reports.human.page import human_page
+from fatigue_planner.study.benchmark.selection import choose
 
 Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repeatable).")]
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli.lazy import LazyCommand, LazyGroup
+from fatigue_planner.cli.lazy_import import LazyCommand, LazyGroup
 from fatigue_planner.cli.options import EXIT_CODES
 
 

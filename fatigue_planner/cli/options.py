@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.errors import MissingExtraError
-from fatigue_planner.executors.executor import Executor
-from fatigue_planner.executors.processes import LocalProcesses, available_cores
+from fatigue_planner.core.errors import MissingExtraError
+from fatigue_planner.core.executors.executor import Executor
+from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the simulated reactions.")]
@@ -50,6 +50,6 @@ def executor_of(jobs: int, dask: str | None) -> Executor:
         return LocalProcesses(jobs)
     if find_spec("distributed") is None:
         raise MissingExtraError("--dask needs Dask's distributed: pip install 'fatigue-planner[dask]'.")
-    from fatigue_planner.executors.dask import DaskCluster  # noqa: PLC0415 - an optional extra
+    from fatigue_planner.core.executors.dask import DaskCluster  # noqa: PLC0415 - an optional extra
 
     return DaskCluster(dask)

@@ -2,7 +2,7 @@
 
 import time
 
-from fatigue_planner.cli.documents import FilesOf
+from fatigue_planner.cli.json_output import FilesOf
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -13,13 +13,13 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
+from fatigue_planner.core.files import publish_text
+from fatigue_planner.core.provenance import publish_manifest
+from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import cycle_profiles, load_reactions, reaction_requests
-from fatigue_planner.experiment.results import courses, load_results
-from fatigue_planner.experiment.selection import cells
-from fatigue_planner.files import publish_text
-from fatigue_planner.provenance import publish_manifest
 from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.study.benchmark.results import courses, load_results
+from fatigue_planner.study.benchmark.selection import cells
 
 
 def report(
@@ -35,11 +35,11 @@ def report(
     """
     begin = time.perf_counter()
     settings = load_experiment(experiment)
-    from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.reports.results.gallery import Gallery  # noqa: PLC0415 - loads matplotlib
-    from fatigue_planner.reports.results.material import Material  # noqa: PLC0415
-    from fatigue_planner.reports.results.report import report  # noqa: PLC0415
-    from fatigue_planner.reports.study.finished import study_of  # noqa: PLC0415
+    from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
+    from fatigue_planner.output.reports.results.figure_folder import Gallery  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.output.reports.results.report import report  # noqa: PLC0415
+    from fatigue_planner.output.reports.results.report_data import Material  # noqa: PLC0415
+    from fatigue_planner.output.reports.study.finished import study_of  # noqa: PLC0415
 
     simulate = command_line("simulate", experiment, cache)
     benchmark, own = (command_line(command, experiment, cache, results) for command in ("benchmark", "report"))

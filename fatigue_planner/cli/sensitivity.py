@@ -7,8 +7,7 @@ from typing import Annotated
 import pandas as pd
 import typer
 
-from fatigue_planner.benchmark.estimate import decisions_left, duration_text, estimated_seconds
-from fatigue_planner.cli.documents import StudyRun
+from fatigue_planner.cli.json_output import StudyRun
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -20,18 +19,19 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, talk, warn
-from fatigue_planner.errors import ExperimentError
-from fatigue_planner.executors.executor import Executor
-from fatigue_planner.executors.processes import LocalProcesses
-from fatigue_planner.files import publish_csv, publish_text, writable_folder
-from fatigue_planner.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.executors.executor import Executor
+from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
+from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.sensitivity.design import Point, design
-from fatigue_planner.sensitivity.reactions import Reacted, react, unique_digests, unique_requests
-from fatigue_planner.sensitivity.robustness import judge
-from fatigue_planner.sensitivity.run import StudyGrid
-from fatigue_planner.sensitivity.study import Study, load_study
-from fatigue_planner.sensitivity.tables import study_tables
+from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
+from fatigue_planner.study.sensitivity.design import Point, design
+from fatigue_planner.study.sensitivity.reactions import Reacted, react, unique_digests, unique_requests
+from fatigue_planner.study.sensitivity.robustness import judge
+from fatigue_planner.study.sensitivity.run import StudyGrid
+from fatigue_planner.study.sensitivity.study import Study, load_study
+from fatigue_planner.study.sensitivity.tables import study_tables
 
 DEFAULT_STUDY = Path("experiments/sensitivity.yaml")
 
@@ -100,10 +100,10 @@ def _publish(
     study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
 ) -> tuple[StudyRun, str]:
     """Everything on disk: what was made, and the names of the files for people."""
-    from fatigue_planner.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
-    from fatigue_planner.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
-    from fatigue_planner.reports.study.page import study_page  # noqa: PLC0415
+    from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
+    from fatigue_planner.output.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
+    from fatigue_planner.output.reports.study.page import study_page  # noqa: PLC0415
 
     tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))
     files = [folder / LESSONS_FILE]

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from types import FrameType
 
-from fatigue_planner.errors import ExitCode
+from fatigue_planner.core.errors import ExitCode
 
 STOPPING = (signal.SIGINT, signal.SIGTERM)
 AGAIN_AFTER_S = 0.05

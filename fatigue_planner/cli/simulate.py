@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from fatigue_planner.cli.documents import SimulatedReaction, Simulation
+from fatigue_planner.cli.json_output import SimulatedReaction, Simulation
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -19,9 +19,9 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
-from fatigue_planner.errors import ExitCode
+from fatigue_planner.core.errors import ExitCode
+from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 
 

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.documents import Fault, Validation
+from fatigue_planner.cli.json_output import Fault, Validation
 from fatigue_planner.cli.output import Json, present
-from fatigue_planner.errors import ExperimentError, FatplanError
-from fatigue_planner.reports.html.words import counted
-from fatigue_planner.yaml_reader import read_yaml
+from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.output.reports.html.labels import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -53,12 +53,12 @@ def validate(
 def _about(file: Path, kind: Kind) -> str:
     """What a file is about. What reads it is loaded when its kind is known; raises what that raises."""
     if kind is Kind.CLAIMS:
-        from fatigue_planner.claims.loader import load_claims  # noqa: PLC0415
+        from fatigue_planner.study.claims.loader import load_claims  # noqa: PLC0415
 
         loaded = load_claims(file)
         return f"{len(loaded.claims)} claims about {loaded.experiment_file}"
     if kind is Kind.STUDY:
-        from fatigue_planner.sensitivity.study import load_study  # noqa: PLC0415
+        from fatigue_planner.study.sensitivity.study import load_study  # noqa: PLC0415
 
         study = load_study(file)
         return f"a study of {len(study.settings.factors)} settings of {study.base_file}"

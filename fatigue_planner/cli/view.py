@@ -17,14 +17,14 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.progress import talk
-from fatigue_planner.errors import SelectionError
+from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.files import publish_text, writable_folder
+from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.resolve import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.selection import choose
-from fatigue_planner.files import publish_text, writable_folder
+from fatigue_planner.output.viewer.motion_clip import Performance, performance_of
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.viewer.performance import Performance, performance_of
+from fatigue_planner.study.benchmark.selection import choose
 
 MOST_UNASKED = 12  # reactions shown if none is named: 3 minutes
 SUFFIXES = (".html", ".png")
@@ -60,14 +60,14 @@ def view(
     writable_folder(path.parent)
     performances = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
-        from fatigue_planner.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
-        from fatigue_planner.viewer.strip import strip  # noqa: PLC0415
+        from fatigue_planner.output.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
+        from fatigue_planner.output.viewer.filmstrip import strip  # noqa: PLC0415
 
         _check_times(at or [], performances)
         figure = strip(performances, at or [])
         publish_png(path, figure)
     else:
-        from fatigue_planner.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
+        from fatigue_planner.output.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 
         many = f"{len(performances)} reactions" if len(performances) > 1 else "1 reaction"
         talk().print(f"Recording {many}, some 3 s each ...", markup=False)

@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from fatigue_planner.experiment.grids import Range
+from fatigue_planner.core.settings import Settings
+from fatigue_planner.experiment.pose_grid import Range
 from fatigue_planner.motion.action import Position
-from fatigue_planner.settings import Settings
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 

@@ -6,12 +6,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fatigue_planner.errors import ExperimentError
-from fatigue_planner.experiment.faults import fault_text, told_together
-from fatigue_planner.experiment.feasibility import meaning_faults
-from fatigue_planner.experiment.grids import expand_grids
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.experiment.error_messages import fault_text, told_together
+from fatigue_planner.experiment.pose_grid import expand_grids
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.yaml_reader import read_yaml
+from fatigue_planner.experiment.semantic_checks import meaning_faults
 
 
 def load_experiment(path: Path) -> Experiment:

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from fatigue_planner.errors import listed
+from fatigue_planner.core.errors import listed
+from fatigue_planner.core.settings import Name, Seed, Settings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
@@ -17,8 +19,6 @@ from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
-from fatigue_planner.settings import Name, Seed, Settings
-from fatigue_planner.statistics.settings import StatisticsSettings
 
 # What can be checked in half a second and named in one table.
 MOST_ACTIONS = 10_000

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.errors import DataFileError
+from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.joint_data import MaximumTorque, known_names
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS, without_side
-from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from typing import TypeVar
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
-from fatigue_planner.errors import DataFileError, shortened
-from fatigue_planner.yaml_reader import read_yaml
+from fatigue_planner.core.errors import DataFileError, shortened
+from fatigue_planner.core.yaml_reader import read_yaml
 
 DATA = Path(__file__).parent / "data"
 

@@ -8,12 +8,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.errors import DataFileError
+from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.anthropometry import Anthropometry, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
 from fatigue_planner.human.strength_sets import LONGEST_PATH
-from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fatigue_planner.errors import DataFileError
+from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.data_files import DATA, load_data
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
-from fatigue_planner.settings import Settings
 
 STRENGTHS = DATA / "strengths"
 LONGEST_PATH = 1000

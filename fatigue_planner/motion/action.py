@@ -7,11 +7,11 @@ import numpy as np
 import pinocchio as pin
 from pydantic import Field, model_validator
 
-from fatigue_planner.errors import shortened
-from fatigue_planner.motion.loads import Load
+from fatigue_planner.core.errors import shortened
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.motion.minimum_jerk import Matrix, Pose, Vector
+from fatigue_planner.motion.payload import Load
 from fatigue_planner.motion.settings import Side
-from fatigue_planner.settings import Settings
 
 
 class Position(Settings):

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import BASE_DOF
 
 Vector = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
 
 Vector = NDArray[np.float64]

@@ -1,16 +1,13 @@
 """Why a motion could not be simulated, and what helps: the message of a failed motion."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.errors import FailedMotionError
+from fatigue_planner.core.errors import FailedMotionError
+from fatigue_planner.motion.body import Body
 from fatigue_planner.motion.controller import LimitKind
 from fatigue_planner.motion.saturation import Saturation, saturation
-
-if TYPE_CHECKING:
-    from fatigue_planner.motion.simulator import Body, Simulator
+from fatigue_planner.motion.schedule import phases_of
 
 Matrix = NDArray[np.float64]
 
@@ -18,32 +15,33 @@ Matrix = NDArray[np.float64]
 LASTING = 0.1
 
 
-def failure(simulator: "Simulator", tick: int, torque_nm: Matrix) -> FailedMotionError:
+def failure(body: Body, tick: int, torque_nm: Matrix) -> FailedMotionError:
     """The error of a tick without solution; `torque_nm` (tick, 39) is what was exerted before.
 
     It names time, phase, tick, the limit in the way and joints at their maximum torque, and advises.
     """
-    phase = next(phase.name for phase in simulator.phases if tick < phase.stop)
-    where = f"no admissible movement at t = {tick * simulator.time_step_s:.2f} s ({phase}, tick {tick})"
-    obstacle = simulator.body.controller.obstacle()
+    settings = body.request.controller
+    phases = phases_of(body.request.cycle, settings.time_step_s)
+    phase = next(phase.name for phase in phases if tick < phase.stop)
+    where = f"no admissible movement at t = {tick * settings.time_step_s:.2f} s ({phase}, tick {tick})"
+    obstacle = body.controller.obstacle()
     if obstacle is None:
         return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
     reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
-    factor = simulator.request.controller.torque_limit_factor
-    limits = (factor * torque for torque in simulator.request.maximum_torque.vectors())
+    limits = (settings.torque_limit_factor * torque for torque in body.request.maximum_torque.vectors())
     before = saturation(torque_nm, *limits) if tick else Saturation("", 0.0, 0)
     if before.share > 0:
-        since = before.first_tick * simulator.time_step_s
+        since = before.first_tick * settings.time_step_s
         reason += f"; {before.joint} at its maximum torque {before.share:.0%} of the time, first at {since:.2f} s"
     weak = before.share > LASTING or obstacle.kind is LimitKind.TORQUE
-    return FailedMotionError(f"{reason}. {_advice(simulator, obstacle.kind, weak)}")
+    return FailedMotionError(f"{reason}. {_advice(body, obstacle.kind, weak)}")
 
 
-def _advice(simulator: "Simulator", kind: LimitKind, weak: bool) -> str:
-    too_far = _too_far(simulator.body)
+def _advice(body: Body, kind: LimitKind, weak: bool) -> str:
+    too_far = _too_far(body)
     if too_far:
         return f"Out of reach: {too_far}. Bring the object closer."
-    loaded = bool(simulator.forces) or any(run.right_kg > 0 or run.left_kg > 0 for run in simulator.runs)
+    loaded = bool(body.request.action.loads) or body.request.tool.mass_kg > 0
     if weak and loaded:
         return (
             "What the hands carry is too heavy for this worker in this posture: make the tool or the load lighter, or "
@@ -56,7 +54,7 @@ def _advice(simulator: "Simulator", kind: LimitKind, weak: bool) -> str:
     return "The body would lose its balance: bring the object closer or make the forces smaller."
 
 
-def _too_far(body: "Body") -> str:
+def _too_far(body: Body) -> str:
     """Which hand's reference is farther from its shoulder than the arm is long, in words; empty if none."""
     person = body.human.anthropometry
     links = (person.joint_centre("right_elbow"), person.joint_centre("right_wrist"), person.grip_m())

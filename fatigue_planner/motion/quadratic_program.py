@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

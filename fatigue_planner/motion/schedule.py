@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from fatigue_planner.human.model import Tool
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.loads import CarriedMass, HandForce
 from fatigue_planner.motion.minimum_jerk import minimum_jerk
 from fatigue_planner.motion.motion import Phase
+from fatigue_planner.motion.payload import CarriedMass, HandForce
 from fatigue_planner.motion.settings import PHASES, Cycle, PhaseName, Side
 
 Vector = NDArray[np.float64]

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from fatigue_planner.settings import Settings
+from fatigue_planner.core.settings import Settings
 
 Positive = Annotated[float, Field(gt=0, le=1e9)]
 # A phase lasts at least some ticks of the longest time step, at most ten minutes.

@@ -1,90 +1,18 @@
 """One cycle of the digital human: reach, work, return."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.human.joint_data import MaximumTorque
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, Tool, Worker, build_human
 from fatigue_planner.human.skeleton import SIDES
-from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.body_state import BodyState
-from fatigue_planner.motion.controller import WholeBodyController
+from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.failure import failure
-from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.schedule import Run, forces_of, phases_of, rise_of, runs_of, share_of
-from fatigue_planner.motion.settings import Controller, Cycle, Side
-from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
-from fatigue_planner.motion.tasks.coordinates import Coordinates
-from fatigue_planner.motion.tasks.hand import HandTask
-from fatigue_planner.motion.tasks.joint_posture import WholePosture
-from fatigue_planner.motion.tasks.registry import Preference
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class MotionRequest:
-    """Everything that decides a motion."""
-
-    worker: Worker
-    maximum_torque: MaximumTorque
-    tool: Tool
-    cycle: Cycle
-    controller: Controller
-    action: Action
-    preference: Preference
-
-
-class Body:
-    """The worker with masses in the hands: state, tasks and controller."""
-
-    def __init__(self, request: MotionRequest, run: Run) -> None:
-        settings = request.controller
-        weights, stiffness = settings.weights, settings.stiffness_per_s2
-        self.human: Human = build_human(request.worker, run.right_kg, run.left_kg)
-        self.state = state = BodyState(self.human)
-        state.update(self.human.stance, np.zeros(self.human.model.nv))
-        self.grips = {side: state.frame(f"{side}_grip") for side in SIDES}
-        self.hands: dict[Side, HandTask] = {
-            side: HandTask(
-                weights.hand, stiffness.hand, self.grips[side], slice(6 if goal.turned() else 3),
-                Trajectory.at_rest(self.fist(side)),
-            )
-            for side, goal in request.action.goals().items()
-        }  # fmt: skip
-        x, y, _ = (float(value) for value in state.centre_of_mass().position_m)
-        x += settings.centre_of_mass_shift_m
-        self.centre_m = np.array([x, y])
-        self.balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
-        posture = WholePosture(weights.posture, stiffness.posture, self.human.stance[7:])
-        preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
-        self.first_preferred = 1 + len(self.hands)
-        self.controller = WholeBodyController(
-            self.human, state, settings, request.maximum_torque.vectors(), posture,
-            [self.balance, *self.hands.values(), *preferred],
-        )  # fmt: skip
-
-    def lean_against(self, side: Side, force_n: Vector) -> None:
-        """Shift the place of the centre of mass so that a force (3,) on a fist leaves the pressure where it is.
-
-        The ground bears weight and force where it bears the weight alone, at c, if
-        m g (x - c) = (p - c) F_z - p_z F_x, with x the centre of mass and p the fist (and y alike): who is pushed
-        leans against it, who lifts leans back.
-        """
-        at, weight = self.fist(side).position_m, self.human.mass_kg * GRAVITY_MPS2
-        moment = (at[:2] - self.centre_m) * force_n[2] - at[2] * force_n[:2]
-        self.balance.reference_m = self.balance.reference_m + moment / weight
-
-    def fist(self, side: Side) -> Pose:
-        """Where a fist is."""
-        placement = self.state.placement(self.grips[side])
-        return Pose(placement.translation.copy(), placement.rotation.copy())
 
 
 class Simulator:
@@ -172,7 +100,7 @@ def simulate(request: MotionRequest) -> Motion:
             force = simulator.prepare(tick)
             result = simulator.body.controller.step()
             if result is None:
-                raise failure(simulator, tick, record["torque_nm"][:tick])
+                raise failure(simulator.body, tick, record["torque_nm"][:tick])
             record["configuration"][tick], record["velocity"][tick] = simulator.configuration, simulator.velocity
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, Human, build_human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
+from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import ROWS, Motion
@@ -16,7 +17,6 @@ from fatigue_planner.motion.references import hand_reference
 from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.saturation import saturation
 from fatigue_planner.motion.schedule import forces_of, phases_of, runs_of
-from fatigue_planner.motion.simulator import MotionRequest
 
 Matrix = NDArray[np.float64]
 

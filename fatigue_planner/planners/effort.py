@@ -1,10 +1,10 @@
 """What a lookahead costs, before it is begun."""
 
-from fatigue_planner.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.planners.settings import LookaheadSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans
-from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
 # A decision that applies more cycle maps than this takes minutes, and a belief of more states has no room.
 MOST_MAPS = 3e9

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from fatigue_planner.planners.parts import bound_arrays_for, lookahead_kernel
+from fatigue_planner.planners.expectimax import Levels, new_levels
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
-from fatigue_planner.planners.search.expectimax import Levels, new_levels
-from fatigue_planner.planners.search.numbers import Numbers, new_room, tables
+from fatigue_planner.planners.pomcp.buffers import Numbers, new_room, tables
+from fatigue_planner.planners.pomcp.kernels import bound_arrays_for, lookahead_kernel
 from fatigue_planner.planners.settings import LookaheadSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp

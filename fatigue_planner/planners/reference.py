@@ -3,7 +3,7 @@
 from fatigue_planner.planners.effort import maps_of
 from fatigue_planner.planners.settings import ReferenceLeafValue, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
 # Cycle maps a decision of the reference may apply: some 20 ms.
 AFFORDABLE = 300_000

@@ -10,7 +10,7 @@ from typing import Any
 from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, RandomPolicy
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.policy import Policy
-from fatigue_planner.planners.pomcp import PomcpPolicy
+from fatigue_planner.planners.pomcp.policy import PomcpPolicy
 from fatigue_planner.planners.settings import PolicySettings
 
 POLICY_KINDS: dict[str, Callable[[Any], Policy]] = {

@@ -4,9 +4,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from fatigue_planner.planners.parts import BackupName, ExplorationName, LeafValueName
-from fatigue_planner.pomdp.situation import Knowledge
-from fatigue_planner.settings import Settings
+from fatigue_planner.core.settings import Settings
+from fatigue_planner.planners.pomcp.kernels import BackupName, ExplorationName, LeafValueName
+from fatigue_planner.pomdp.scenario import Knowledge
 
 
 class PolicySettingsBase(Settings):

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import inlined
-from fatigue_planner.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.jit import inlined
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
-from fatigue_planner.pomdp.fatigue_model import Workers
-from fatigue_planner.settings import Settings
+from fatigue_planner.core.settings import Settings
+from fatigue_planner.pomdp.fatigue_pomdp import Workers
 
 Vector = NDArray[np.float64]
 # Chances of values must sum to 1 within this.

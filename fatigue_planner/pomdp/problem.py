@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import inlined, specialised
+from fatigue_planner.core.jit import inlined, specialised
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]

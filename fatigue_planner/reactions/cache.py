@@ -12,15 +12,21 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError, FailedMotionError, MissingReactionsError, OtherVersionError, listed
-from fatigue_planner.executors.executor import Executor, Lost
-from fatigue_planner.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
+from fatigue_planner.core.errors import (
+    DamagedFileError,
+    FailedMotionError,
+    MissingReactionsError,
+    OtherVersionError,
+    listed,
+)
+from fatigue_planner.core.executors.executor import Executor, Lost
+from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
-from fatigue_planner.reactions.entry import MOST_BYTES, entry_bytes, read_entry
+from fatigue_planner.reactions.checksum import is_sealed
+from fatigue_planner.reactions.hdf5_layout import MOST_BYTES, entry_bytes, read_entry
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
-from fatigue_planner.reactions.seal import is_sealed
 
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
 

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from fatigue_planner.errors import DamagedFileError, OtherVersionError
-from fatigue_planner.files import left_behind
+from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
+from fatigue_planner.core.files import left_behind
 from fatigue_planner.reactions.cache import ReactionCache, read_content
-from fatigue_planner.reactions.entry import read_key
-from fatigue_planner.reactions.why import Stored
+from fatigue_planner.reactions.cache_miss import Stored
+from fatigue_planner.reactions.hdf5_layout import read_key
 
 
 @dataclass(frozen=True)

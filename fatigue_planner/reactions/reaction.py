@@ -5,15 +5,15 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from fatigue_planner.files import DIGEST_LENGTH, digest_of, digests_of_package
+from fatigue_planner.core.files import DIGEST_LENGTH, digest_of, digests_of_package
+from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
-from fatigue_planner.motion.simulator import MotionRequest
-from fatigue_planner.provenance import versions_of
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
-SOURCES = ("human", "motion", "settings.py", "yaml_reader.py", "compiled.py")
+SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
 # The QP solvers come with casadi.
 NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
 

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Stiffnesses

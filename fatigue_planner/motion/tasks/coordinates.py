@@ -5,8 +5,8 @@ from typing import Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.motion.tasks.task import Vector
-from fatigue_planner.settings import Settings
 
 
 class Coordinates(Settings):

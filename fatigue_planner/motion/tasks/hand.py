@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from pydantic import model_validator
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.action import Orientation, Position
 from fatigue_planner.motion.body_state import BodyState

@@ -4,13 +4,13 @@ from typing import Annotated
 
 from pydantic import Field
 
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMass
 from fatigue_planner.motion.tasks.hand import Hand
 from fatigue_planner.motion.tasks.joint_posture import JointPosture
 from fatigue_planner.motion.tasks.segment_orientation import SegmentOrientation
 from fatigue_planner.motion.tasks.segment_position import SegmentPosition
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
-from fatigue_planner.settings import Settings
 
 AnyTask = Annotated[
     SegmentUpright | SegmentOrientation | SegmentPosition | CentreOfMass | JointPosture | Hand,

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import PHASES, PhaseName, Positive, Stiffnesses
-from fatigue_planner.settings import Settings
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import specialised
+from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.problem import Pomdp, Vector, expected_reward
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fatigue_planner.compiled import specialised
+from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
 

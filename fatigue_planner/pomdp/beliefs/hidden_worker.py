@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import compiled
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.pomdp.beliefs.particles import LEAST_PROBABILITY, History, ParticleBelief
-from fatigue_planner.pomdp.fatigue_model import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
+from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 
 Vector = NDArray[np.float64]

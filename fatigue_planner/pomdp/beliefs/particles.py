@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.compiled import specialised
+from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import (
     Pomdp,

@@ -10,14 +10,14 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
-from fatigue_planner.pomdp.fatigue_model import FatiguePomdp
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.problem import Vector
-from fatigue_planner.settings import Settings
 
 
 class ExactSettings(Settings):

@@ -1,0 +1,97 @@
+"""From an experiment to what the layers below work with."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from fatigue_planner.experiment.schema import Condition, Experiment
+from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
+from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.pomdp.beliefs.registry import fitting
+from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
+from fatigue_planner.pomdp.hidden_worker import WorkerPrior
+from fatigue_planner.pomdp.scenario import Situation, average_worker
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+
+
+def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
+    """Every worker with every action and every preference."""
+    return tuple(
+        ReactionRequest(
+            ReactionName(worker_name, action_name, preference_name),
+            MotionRequest(
+                worker, strength, experiment.tool, experiment.cycle, experiment.controller, action, preference
+            ),
+            experiment.accuracy,
+        )
+        for worker_name, worker in experiment.workers.items()
+        for strength in [maximum_torque(worker.strength)]
+        for action_name, action in experiment.actions.items()
+        for preference_name, preference in experiment.preferences.items()
+    )
+
+
+def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
+    """The experiment's reactions from the cache; `command` makes them, for the messages.
+
+    Raises MissingReactionsError or DamagedFileError.
+    """
+    return ReactionCache(cache_folder).load(reaction_requests(experiment), command)
+
+
+def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
+    """The fatigue parameters of every worker, by name."""
+    return {
+        name: fatigue_parameters(experiment.fatigue, maximum_torque(worker.strength))
+        for name, worker in experiment.workers.items()
+    }
+
+
+def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
+    """How one cycle of every reaction loads the worker, without keeping the motions in memory.
+
+    Raises as `load_reactions`.
+    """
+    requests = reaction_requests(experiment)
+    return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
+
+
+def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleProfile]:
+    """How one cycle of each of these reactions loads the worker."""
+    parameters = worker_fatigue(experiment)
+    return {
+        reaction.name: cycle_profile(
+            reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]
+        )
+        for reaction in reactions
+    }
+
+
+def situation(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Situation:
+    """The POMDP of a condition, where it starts and what is hidden."""
+    worker = experiment.worker_of(condition)
+    own = {(name.action, name.preference): profile for name, profile in profiles.items() if name.worker == worker}
+    start = experiment.initial_beliefs[condition.initial_belief]
+    fatigue = np.array([fatigue_state(state.fatigue) for state in start])
+    hidden = None if condition.hidden_worker is None else experiment.hidden_workers[condition.hidden_worker]
+    prior = None if hidden is None else WorkerPrior(hidden, condition.expertise)
+    if prior is None:
+        assert condition.expertise is not None
+        workers = one_worker(condition.expertise)
+    else:
+        workers = average_worker(prior)
+    preferences = tuple(experiment.preferences)
+    observations, matrix = preferences, None
+    if experiment.recognition_errs():
+        observations, matrix = experiment.recognised()
+    model = build_pomdp(
+        tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations
+    )
+    weights = np.array([state.probability for state in start])
+    belief = experiment.belief or fitting(model.telling, prior)
+    states = np.array([model.state(one) for one in fatigue])
+    return Situation(model, states, weights / weights.sum(), prior, belief)

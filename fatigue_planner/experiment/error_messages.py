@@ -1,0 +1,106 @@
+"""What pydantic finds wrong, in the words of the files: one line per fault with source, key, value, what is allowed."""
+
+import difflib
+from collections.abc import Iterable, Sequence
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from fatigue_planner.core.errors import LONGEST_SHOWN, listed, shortened
+from fatigue_planner.core.settings import LONGEST_NAME, Settings
+from fatigue_planner.experiment.error_location import kinds_of, locate
+
+# More faults than these help nobody, and to describe thousands takes long.
+MOST_FAULTS = 50
+_MOST_CONSIDERED = 4 * MOST_FAULTS
+# Behind the name of an entry whose name itself is wrong.
+_KEY = "[key]"
+# pydantic's words for what a YAML file should have.
+_WORDS = {
+    "dict_type": "should be a mapping of keys and values",
+    "model_type": "should be a mapping of keys and values",
+    "model_attributes_type": "should be a mapping of keys and values",
+    "tuple_type": "should be a list",
+    "string_pattern_mismatch": "should begin with a letter and have no more than "
+    f"{LONGEST_NAME} letters (a to z), digits, _ . and -",
+    "too_short": "should have at least {min_length} of them",
+    "too_long": "should have at most {max_length} of them",
+}
+
+
+def fault_text(error: ValidationError, kind: type[Settings], source: str) -> str:
+    """One message of all faults in settings of a kind: source, key, value, what is allowed."""
+    return told_together(source, fault_lines(error, kind))
+
+
+def fault_lines(error: ValidationError, kind: type[Settings], above: str = "") -> list[str]:
+    """The faults in settings of a kind, one each; `above`: the key under which they stand in the file."""
+    considered = [_Fault(fault, kind, above) for fault in error.errors(include_url=False)[: _MOST_CONSIDERED + 1]]
+    misspelt = {(*fault.location[:-1], fault.meant()) for fault in considered if fault.type == "extra_forbidden"}
+    inside = {fault.location[:end] for fault in considered for end in range(len(fault.location))}
+    # a key missing because it is misspelt, and a list too short because what is in it is wrong, tell nothing new
+    telling = [
+        fault
+        for fault in considered
+        if not (fault.type == "missing" and fault.location in misspelt)
+        and not (fault.type == "too_short" and fault.location in inside)
+    ]
+    return [line for fault in telling for line in fault.text().split("\n")]
+
+
+def told_together(source: str, faults: Iterable[str]) -> str:
+    """One message of all faults, each on a line that names the source; of very many the first."""
+    lines = list(dict.fromkeys(faults))
+    more = ["there are more faults; mend these first."] if len(lines) > MOST_FAULTS else []
+    return "\n".join(f"{source}: {fault}" for fault in lines[:MOST_FAULTS] + more)
+
+
+def dotted(parts: Iterable[int | str]) -> str:
+    """The path of a key as a message writes it: dots between the names, names that are no names in quotes."""
+    texts = [str(part) for part in parts]
+    return ".".join(one if one.isprintable() and 0 < len(one) <= LONGEST_SHOWN else shortened(one) for one in texts)
+
+
+class _Fault:
+    """One of pydantic's faults."""
+
+    def __init__(self, details: ErrorDetails, kind: type[Settings], above: str) -> None:
+        self.details, self.type, self.kind = details, details["type"], kind
+        location = details["loc"]
+        self.location = location[:-1] if location[-1:] == (_KEY,) else location
+        parts, self.expected = locate(kind, self.location)
+        self.place = ".".join(part for part in (above, dotted(parts)) if part)
+
+    def meant(self) -> str | None:
+        """Of an unknown key: the known one at its place that is most like it, if any is."""
+        close = difflib.get_close_matches(str(self.location[-1]), self._known(), n=1)
+        return close[0] if close else None
+
+    def text(self) -> str:
+        """The fault in words; several lines where pydantic has one fault for several."""
+        value = self.details["input"]
+        if self.type == "extra_forbidden":
+            meant = self.meant()
+            return f"{self.place}: unknown key; " + (
+                f"did you mean {meant!r}?" if meant else f"allowed are {listed(self._known())}."
+            )
+        if self.type == "missing":
+            return f"{self.place}: is missing."
+        if self.type == "value_error":
+            text = str(self.details["ctx"]["error"])
+            return f"{self.place}: {text}." if self.place else text.replace("\n", ".\n") + "."
+        if self.type == "union_tag_not_found":
+            return f"{self.place}: needs a kind: one of {listed(kinds_of(self.expected))}."
+        if self.type == "union_tag_invalid":
+            kinds = listed(kinds_of(self.expected))
+            return f"{self.place}.kind = {shortened(value['kind'])}: should be one of {kinds}."
+        words = _WORDS.get(self.type)
+        theirs = self.details["msg"]
+        message = words.format(**self.details.get("ctx", {})) if words else theirs[0].lower() + theirs[1:]
+        return f"{self.place or 'the file'} = {shortened(value)}: {message}."
+
+    def _known(self) -> Sequence[str]:
+        _, owner = locate(self.kind, self.location[:-1])
+        if not (isinstance(owner, type) and issubclass(owner, Settings)):
+            return []
+        return [field.alias or name for name, field in owner.model_fields.items()]

@@ -1,0 +1,108 @@
+"""Grids of poses: an action whose coordinates are ranges stands for one action per place of the grid."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from pydantic import Field, ValidationError
+
+from fatigue_planner.core.errors import shortened
+from fatigue_planner.core.settings import LONGEST_NAME, Settings
+from fatigue_planner.experiment.error_messages import dotted, fault_lines
+from fatigue_planner.experiment.schema import MOST_ACTIONS
+
+HANDS = ("right_hand", "left_hand")
+AXES = ("x", "y", "z")
+FARTHEST_M = 3.0
+
+
+class Range(Settings):
+    """`count` evenly spaced coordinates in m, both ends among them."""
+
+    first: float = Field(alias="from", ge=-FARTHEST_M, le=FARTHEST_M)
+    last: float = Field(alias="to", ge=-FARTHEST_M, le=FARTHEST_M)
+    count: int = Field(ge=2, le=1000)
+
+    def values(self) -> list[float]:
+        """The coordinates, rounded to a hundredth of a millimetre."""
+        return [round(float(value), 5) + 0.0 for value in np.linspace(self.first, self.last, self.count)]
+
+
+def expand_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The content of an experiment file with every grid of actions written out, and what is wrong with grids.
+
+    Where a coordinate of a hand's position_m is a range {from, to, count}, the action becomes one action
+    per value, named after it: shelf_x0.4_z1.2 (m for minus). Ranges of the same axis in both hands must have the same
+    count: the hands move over the grid together. A faulty grid is left as it is.
+    """
+    actions = content.get("actions")
+    if not isinstance(actions, dict):
+        return content, []
+    expanded: dict[str, Any] = {}
+    faults: list[str] = []
+    for name, action in actions.items():
+        try:
+            singles = _expand(name, action, MOST_ACTIONS - len(expanded))
+        except _GridError as error:
+            faults += error.args
+            singles = [(name, action)]
+        for full_name, single in singles:
+            if full_name in expanded:
+                faults.append(f"{dotted(['actions', name])}: its grid makes {full_name}, a name that stands twice.")
+                break
+            expanded[full_name] = single
+    return content | {"actions": expanded}, faults
+
+
+class _GridError(Exception):
+    """The faults of one action's grid."""
+
+
+def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
+    """The actions of a grid by name, `room` at most; of any other action itself. Raises _GridError."""
+    axes: dict[str, dict[str, list[float]]] = {}  # axis -> hand -> values
+    for hand, axis, value in _ranges(action):
+        key = dotted(["actions", name, hand, "position_m", axis])
+        axes.setdefault(axis, {})[hand] = _range(key, value).values()
+    if not axes:
+        return [(name, action)]
+    key = dotted(["actions", name])
+    for axis, hands in axes.items():
+        if len({len(values) for values in hands.values()}) > 1:
+            raise _GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
+    counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
+    if (size := math.prod(map(len, counts))) > room:
+        raise _GridError(f"{key}: its grid has {size} places; at most {MOST_ACTIONS} actions are allowed in all.")
+    singles = []
+    for places in itertools.product(*counts):
+        single = dict(action)
+        label = name
+        for (axis, hands), place in zip(axes.items(), places, strict=True):
+            label += f"_{axis}{next(iter(hands.values()))[place]:g}".replace("-", "m")
+            for hand, values in hands.items():
+                goal = single[hand]
+                single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[place]}}
+        if len(label) > LONGEST_NAME:
+            raise _GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
+        singles.append((label, single))
+    return singles
+
+
+def _ranges(action: Any) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Hand, axis and value of every coordinate that is not a number but a mapping."""
+    for hand in HANDS if isinstance(action, dict) else ():
+        goal = action.get(hand)
+        position = goal.get("position_m") if isinstance(goal, dict) else None
+        for axis, value in position.items() if isinstance(position, dict) else ():
+            if axis in AXES and isinstance(value, dict):
+                yield hand, axis, value
+
+
+def _range(key: str, value: dict[str, Any]) -> Range:
+    try:
+        return Range.model_validate(value, strict=True)
+    except ValidationError as error:
+        example = "A range is {from: 0.3, to: 0.6, count: 5}."
+        raise _GridError(*(f"{line} {example}" for line in fault_lines(error, Range, key))) from error

@@ -1,0 +1,110 @@
+"""What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
+from fatigue_planner.human.anthropometry import Anthropometry
+from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.human.model import Human, Worker, build_human
+from fatigue_planner.motion.action import Action
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.payload import HandForce
+
+# Every place of a grid may be out of reach of every worker.
+MOST_REACH_FAULTS = 1000
+
+
+def meaning_faults(experiment: Experiment) -> list[str]:
+    """Everything that cannot be, each with its key."""
+    return list(
+        itertools.chain(
+            _worker_faults(experiment),
+            _belief_faults(experiment),
+            (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
+            itertools.islice(_reach_faults(experiment), MOST_REACH_FAULTS),
+        )
+    )
+
+
+def _worker_faults(experiment: Experiment) -> Iterator[str]:
+    humans: list[Human] = []
+    for name, worker in experiment.workers.items():
+        try:
+            humans.append(build_human(worker))
+            strength = maximum_torque(worker.strength)
+        except DataFileError as error:
+            yield f"workers.{name}: {error}"
+            continue
+        try:
+            fatigue_parameters(experiment.fatigue, strength)
+        except DataFileError as error:
+            yield str(error)
+    if humans:
+        yield from _preference_faults(experiment, humans[0])
+
+
+def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
+    state = BodyState(human)
+    state.update(human.stance, np.zeros(human.model.nv))
+    for name, preference in experiment.preferences.items():
+        for place, task in enumerate(preference.tasks):
+            try:
+                task.build(human, state, experiment.controller.stiffness_per_s2)
+            except DataFileError as error:
+                yield f"preferences.{name}.tasks.{place}.{error}"
+
+
+def _belief_faults(experiment: Experiment) -> Iterator[str]:
+    for name, states in experiment.initial_beliefs.items():
+        for place, one in enumerate(states):
+            try:
+                fatigue_state(one.fatigue)
+            except DataFileError as error:
+                yield f"initial_beliefs.{name}.{place}.{error}"
+
+
+def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[str]:
+    work, whole = experiment.cycle.work_s, experiment.cycle.duration_s
+    for side, goal in action.goals().items():
+        last = goal.path()[-1].work_time_s
+        if last > work:
+            yield (
+                f"actions.{name}.{side}_hand.waypoints: the last is reached after {last:g} s of work; cycle.work_s is "
+                f"{work:g}"
+            )
+    for place, load in enumerate(action.loads):
+        if isinstance(load, HandForce) and load.force_n[-1].cycle_time_s > whole:
+            yield (
+                f"actions.{name}.loads.{place}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
+                f"end of the cycle ({whole:g} s)"
+            )
+
+
+def _reach_faults(experiment: Experiment) -> Iterator[str]:
+    longest_m = {name: _longest_reach_m(worker) for name, worker in experiment.workers.items()}
+    for name, action in experiment.actions.items():
+        for side, goal in action.goals().items():
+            distance = max(float(np.linalg.norm(waypoint.position_m.vector())) for waypoint in goal.path())
+            for worker_name, longest in longest_m.items():
+                if distance > longest:
+                    yield (
+                        f"actions.{name}.{side}_hand.position_m: {distance:.2f} m from the feet; ankle, leg, trunk and "
+                        f"arm of worker {worker_name} together measure {longest:.2f} m."
+                    )
+
+
+def _longest_reach_m(worker: Worker) -> float:
+    """No posture reaches farther from the centre of the feet: the stretched chain from sole to fist."""
+    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    arm = ["right_shoulder", "right_elbow", "right_wrist"]
+    links = [
+        body.joint_centre(joint) for joint in ["right_knee", "right_ankle", "right_hip", "lumbar", "thoracic", *arm]
+    ]
+    heel, toe, _, height = body.sole_rectangle()
+    feet = np.array([(heel + toe) / 2, body.length("hip_half_width"), height])
+    return float(sum(np.linalg.norm(link) for link in [feet, *links, body.grip_m()]))

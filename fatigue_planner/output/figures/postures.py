@@ -1,0 +1,81 @@
+"""The postural reactions at mid-work (like the paper's Figure 2), joints coloured by load."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from fatigue_planner.fatigue.model import loads
+from fatigue_planner.fatigue.parameters import FatigueParameters, joint_shares
+from fatigue_planner.human.model import Human
+from fatigue_planner.human.skeleton import JOINTS, SIDES
+from fatigue_planner.output.figures.human_drawing import (
+    FRONT,
+    SIDE,
+    View,
+    draw_human,
+    draw_joint_loads,
+    draw_load_scale,
+    landmarks,
+)
+from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.reactions.reaction import Reaction
+
+Vector = NDArray[np.float64]
+
+# Up to so many reactions are drawn from two sides in one row; more from the right only, in rows of at most WIDEST.
+FEW = 9
+WIDEST = 15
+
+
+def posture_figure(
+    human: Human, reactions: Sequence[Reaction], parameters: FatigueParameters
+) -> tuple[Figure, pd.DataFrame]:
+    """A worker's reactions at mid-work, joints coloured by load; landmarks and loads as data."""
+    few = len(reactions) <= FEW
+    across = len(reactions) if few else _columns(reactions)
+    views: tuple[View, ...] = (SIDE, FRONT) if few else (SIDE,)
+    rows_of_panels = len(views) * -(-len(reactions) // across)
+    figure = new_figure(1.85 * across, 5.2) if few else new_figure(1.0 * across, 1.75 * rows_of_panels + 0.8)
+    axes = figure.subplots(rows_of_panels, across, squeeze=False)
+    for panel in axes.flat:
+        panel.set_axis_off()
+    rows = []
+    for place, reaction in enumerate(reactions):
+        tick = reaction.motion.middle("work")
+        points = landmarks(human, reaction.motion.configuration[tick])
+        shares = joint_shares(loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm)
+        row, column = divmod(place, across)
+        for number, view in enumerate(views):
+            panel = axes[row * len(views) + number, column]
+            draw_human(panel, human, points, view, working_hands(reaction))
+            if few and column == 0:
+                panel.text(-0.05, 0.5, view.name, transform=panel.transAxes, rotation=90, va="center")
+            discs = draw_joint_loads(panel, points, shares, view)
+        title = f"{words(reaction.name.action)}, {words(reaction.name.preference)} reaction"
+        if not few:
+            title = f"{reaction.name.action}\n{words(reaction.name.preference)}"
+        axes[row * len(views), column].set_title(title, fontsize=None if few else 5.5)
+        share_at = {joint.child: shares[joint.name] for joint in JOINTS}
+        for landmark, position in points.items():
+            rows.append(
+                reaction.name._asdict()
+                | {"landmark": landmark}
+                | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
+                | {"share_of_maximum": share_at.get(landmark, np.nan)}
+            )
+    draw_load_scale(figure, axes[-1], discs, 0.7)
+    return figure, pd.DataFrame(rows)
+
+
+def working_hands(reaction: Reaction) -> list[str]:
+    """The sides whose hands have a goal in the reaction's action."""
+    return [side for side in SIDES if reaction.key.settings["action"][f"{side}_hand"] is not None]
+
+
+def _columns(reactions: Sequence[Reaction]) -> int:
+    """Panels in a row: all preferences of as many actions as fit."""
+    preferences = len({reaction.name.preference for reaction in reactions})
+    return max(WIDEST // preferences, 1) * preferences

@@ -1,0 +1,139 @@
+"""The loads that reactions cost: bars for a few, a map of colours for many, and their course over the cycle."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from fatigue_planner.fatigue.model import loads
+from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
+from fatigue_planner.output.figures.postures import FEW
+from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
+
+MOST_LOADED = 6  # entries drawn over time
+
+
+def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]) -> pd.DataFrame:
+    """Mean load of every entry during work: N.m, share of the worker's maximum torque, and the threshold."""
+    rows = []
+    for reaction in reactions:
+        own = parameters[reaction.name.worker]
+        mean = loads(reaction.motion.torque_nm[reaction.motion.phase("work")]).mean(axis=0)
+        rows += [
+            reaction.name._asdict()
+            | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / most, "threshold": threshold}
+            for entry, torque, most, threshold in zip(ENTRIES, mean, own.maximum_torque_nm, own.threshold, strict=True)
+        ]
+    return pd.DataFrame(rows)
+
+
+def torque_figure(
+    reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
+) -> tuple[Figure, pd.DataFrame]:
+    """Loads above the fatigue threshold during work, as share of strength; the table holds all entries."""
+    table = torque_table(reactions, parameters)
+    tiring = set(table.loc[table["share_of_maximum"] > table["threshold"], "entry"])
+    entries = [entry for entry in ENTRIES if entry in tiring] or list(ENTRIES[:1])
+    shares = np.array(
+        [
+            table.loc[(table[list(ReactionName._fields)] == list(r.name)).all(axis=1)]
+            .set_index("entry")
+            .loc[entries, "share_of_maximum"]
+            for r in reactions
+        ]
+    )
+    thresholds = sorted(set(table["threshold"]))
+    return (_bars if len(reactions) <= FEW else _colours)(reactions, entries, shares, thresholds), table
+
+
+def _bars(
+    reactions: Sequence[Reaction], entries: Sequence[str], shares: np.ndarray, thresholds: Sequence[float]
+) -> Figure:
+    figure = new_figure(7.2, 0.55 + 0.062 * max(len(entries), 4) * (len(reactions) + 1))
+    axes = figure.subplots()
+    height = 0.85 / len(reactions)
+    for place, reaction in enumerate(reactions):
+        axes.barh(
+            np.arange(len(entries)) + (place - (len(reactions) - 1) / 2) * height,
+            100 * shares[place],
+            height,
+            color=COLOURS[place % len(COLOURS)],
+            hatch="" if place < len(COLOURS) else "///",
+            label=_label(reaction, reactions),
+        )
+    for threshold in thresholds:
+        axes.axvline(100 * threshold, color="0.3", linewidth=0.8, linestyle="--")
+    axes.set_yticks(range(len(entries)), [entry_label(entry) for entry in entries])
+    axes.invert_yaxis()
+    axes.set_xlabel(
+        "mean load during work, % of the maximum torque (dashed: threshold of fatigue)\n"
+        "+ flexion, right bend, left or inward turn, abduction, thumb side; − the opposite"
+    )
+    axes.legend(frameon=False, loc="lower right")
+    return figure
+
+
+def _colours(
+    reactions: Sequence[Reaction], entries: Sequence[str], shares: np.ndarray, thresholds: Sequence[float]
+) -> Figure:
+    figure = new_figure(2.6 + 0.2 * len(entries), 1.9 + 0.13 * len(reactions))
+    axes = figure.subplots()
+    image = axes.imshow(100 * shares, cmap="YlOrRd", vmin=0, vmax=60, aspect="auto")
+    axes.set_xticks(range(len(entries)), [entry_label(entry) for entry in entries], rotation=90, fontsize=6)
+    axes.set_yticks(range(len(reactions)), [_label(reaction, reactions) for reaction in reactions], fontsize=5.5)
+    bar = figure.colorbar(image, ax=axes, extend="max", label="mean load during work, % of the maximum torque")
+    for threshold in thresholds:
+        bar.ax.axhline(100 * threshold, color="black", linewidth=0.8, linestyle="--")
+    return figure
+
+
+def course_figure(
+    reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
+) -> tuple[Figure, pd.DataFrame]:
+    """The most loaded entries over the cycle, one panel per reaction; the table holds ten rows a second."""
+    across = min(len(reactions), 4)
+    figure = new_figure(2.6 * across + 1.6, 2.1 * -(-len(reactions) // across) + 0.4)
+    axes = figure.subplots(-(-len(reactions) // across), across, squeeze=False, sharex=True, sharey=True)
+    shares = [loads(r.motion.torque_nm) / parameters[r.name.worker].maximum_torque_nm for r in reactions]
+    drawn = np.argsort(-np.max([share.mean(axis=0) for share in shares], axis=0))[:MOST_LOADED]
+    rows = []
+    for panel in axes.flat[len(reactions) :]:
+        panel.set_axis_off()
+    for place, (reaction, share) in enumerate(zip(reactions, shares, strict=True)):
+        panel, motion = axes.flat[place], reaction.motion
+        every = max(round(0.1 / motion.time_step_s), 1)
+        times = np.arange(0, len(share), every) * motion.time_step_s
+        for colour, entry in enumerate(drawn):
+            panel.plot(
+                times, 100 * share[::every, entry], color=COLOURS[colour], linewidth=1.1,
+                linestyle="--" if ENTRIES[entry].startswith("left") else "-",
+                label=entry_label(ENTRIES[entry]),
+            )  # fmt: skip
+            rows += [
+                reaction.name._asdict() | {"time_s": time, "entry": ENTRIES[entry], "share_of_maximum": value}
+                for time, value in zip(times, share[::every, entry], strict=True)
+            ]
+        work = motion.phase("work")
+        panel.axvspan(work.start * motion.time_step_s, work.stop * motion.time_step_s, color="0.92", zorder=0)
+        panel.set_title(_label(reaction, reactions))
+    figure.supxlabel(
+        "time in the cycle, s (grey: work; dashed: left side; the six entries with the highest mean load)", fontsize=9
+    )
+    figure.supylabel("load, % of the maximum torque", fontsize=9)
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right center", frameon=False)
+    return figure, pd.DataFrame(rows)
+
+
+def _label(reaction: Reaction, among: Sequence[Reaction]) -> str:
+    """The name of a reaction, with its worker only where there are several."""
+    parts = reaction.name if len({other.name.worker for other in among}) > 1 else reaction.name[1:]
+    return ", ".join(words(part) for part in parts)
+
+
+def entry_label(entry: str) -> str:
+    """An entry as it stands in a figure: its degree of freedom and direction."""
+    freedom, direction = entry.split(":")
+    return f"{words(freedom)} {'+' if direction == 'positive' else '−'}"

@@ -1,0 +1,163 @@
+"""Two results folders side by side."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from pydantic import ValidationError
+
+from fatigue_planner.core.errors import StaleTableError
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
+from fatigue_planner.output.figures.style import words
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.output.reports.html.labels import percent, percent_range, significant
+from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
+from fatigue_planner.study.statistics.contrast import Contrast
+from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.side_by_side import side_by_side
+
+# Of what the manifest says, these are not settings of the experiment.
+IRRELEVANT = ("figures",)
+MOST_NAMED = 5  # cells that are in one folder only
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What tells two folders apart: settings and versions by dotted name, and the contrasts of their returns."""
+
+    names: tuple[str, str]
+    settings: dict[str, tuple[str, str]]
+    versions: dict[str, tuple[str, str]]
+    contrasts: pd.DataFrame
+    only: tuple[list[str], list[str]]
+    level: float
+    same_worlds: bool
+
+    @property
+    def pairing(self) -> str:
+        """How runs are paired, in words."""
+        worlds = "in the same worlds" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
+        return f"paired by trial, {worlds}"
+
+
+def compare(first: Path, second: Path) -> Comparison:
+    """Compare the tables of two folders. Raises as `load_folder`."""
+    (note, trials), (other_note, other_trials) = load_folder(first), load_folder(second)
+    settings = _statistics(note, first)
+    cells, other_cells = (_cells(table) for table in (trials, other_trials))
+    return Comparison(
+        names=(str(first), str(second)),
+        settings=_differences(_flat(_relevant(note)), _flat(_relevant(other_note))),
+        versions=_differences(note.versions, other_note.versions),
+        contrasts=side_by_side(trials, other_trials, settings, note.seed),
+        same_worlds=note.seed == other_note.seed,
+        only=([c for c in cells if c not in other_cells], [c for c in other_cells if c not in cells]),
+        level=settings.significance_level,
+    )
+
+
+def _cells(trials: pd.DataFrame) -> list[str]:
+    names = trials["condition"] + "/" + trials["n_cycles"].astype(str) + "/" + trials["policy"]
+    return list(dict.fromkeys(names))
+
+
+def _statistics(note: BenchmarkNote, folder: Path) -> StatisticsSettings:
+    try:
+        return StatisticsSettings.model_validate(note.experiment.get("statistics"))
+    except ValidationError as error:
+        raise StaleTableError(
+            f"{folder}: was made by another version of fatplan, without `statistics`. Run `fatplan benchmark` again."
+        ) from error
+
+
+def _relevant(note: BenchmarkNote) -> dict[str, Any]:
+    return {key: value for key, value in note.experiment.items() if key not in IRRELEVANT}
+
+
+def _flat(value: Any, key: str = "") -> dict[str, str]:
+    """The leaves of nested settings as text, by dotted key."""
+    if isinstance(value, dict) and value:
+        return {
+            k: v for name, below in value.items() for k, v in _flat(below, f"{key}.{name}" if key else name).items()
+        }
+    return {key: str(value)}
+
+
+def _differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+    names = dict.fromkeys([*first, *second])
+    both = {name: (first.get(name, "–"), second.get(name, "–")) for name in names}
+    return {name: values for name, values in both.items() if values[0] != values[1]}
+
+
+def compare_text(found: Comparison) -> str:
+    """The comparison as lines of text."""
+    lines = [f"A: {found.names[0]}", f"B: {found.names[1]}", ""]
+    for title, differences in (("settings", found.settings), ("versions", found.versions)):
+        lines.append(f"The {title} are the same." if not differences else f"Different {title} (A, B):")
+        lines += [f"  {name}: {one}, {other}" for name, (one, other) in differences.items()]
+    for name, cells in zip("AB", found.only, strict=True):
+        if cells:
+            lines.append(f"Only in {name}: {_few(cells)}.")
+    lines += ["", f"Discounted return, and what B costs more than A, of A's cost ({found.pairing}):"]
+    lines += ["  " + "  ".join(cells) for cells in _aligned(_rows(found))]
+    return "\n".join(lines) + "\n"
+
+
+def _few(cells: list[str]) -> str:
+    more = len(cells) - MOST_NAMED
+    return ", ".join(cells[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+
+
+def _aligned(rows: list[list[str]]) -> Iterator[list[str]]:
+    rows = [HEADER, *rows]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
+    for row in rows:
+        yield [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
+
+
+HEADER = ["condition", "cycles", "policy", "runs", "A", "B", "B above A", "interval", "p (Holm)"]
+
+
+def _rows(found: Comparison) -> list[list[str]]:
+    rows = []
+    for row in records(found.contrasts):
+        contrast = Contrast(**{key: value for key, value in row.items() if key != "policy"})
+        cost = -contrast.first_mean or math.nan
+        interval = percent_range(contrast.t_low / cost, contrast.t_high / cost)
+        test = significant(contrast.holm_p, 2) if contrast.holm_p >= 0 else contrast.note
+        if contrast.difference == 0 and not contrast.holm_p >= 0:
+            interval, test = "", "the same in every run"
+        rows.append(
+            [
+                words(contrast.condition), str(contrast.n_cycles), words(row["policy"]), str(contrast.trials),
+                significant(contrast.first_mean, 6), significant(contrast.second_mean, 6),
+                percent(contrast.difference / cost), interval,
+                test,
+            ]
+        )  # fmt: skip
+    return rows
+
+
+def compare_page(found: Comparison, gallery: Gallery, name: str) -> str:
+    """The comparison as a page (HTML); its table goes to the gallery's folder under this name."""
+    file = gallery.add_table(name, found.contrasts)
+    a, b = found.names
+    blocks: list[Block] = [
+        Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; intervals are at {percent(1 - found.level, 0)}.")
+    ]
+    sections = [
+        Section("Returns", [*blocks, Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file)])
+    ]
+    for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
+        rows = [[name, one, other] for name, (one, other) in differences.items()]
+        block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")
+        sections.append(Section(title, [block]))
+    alone = [Text(f"Only in {name}: {_few(cells)}.") for name, cells in zip("AB", found.only, strict=True) if cells]
+    if alone:
+        sections.append(Section("In one of them only", alone))
+    return page("Two results side by side", f"{a} and {b}", [], sections)

@@ -1,0 +1,69 @@
+"""The report of an experiment's results: one page a reviewer can check."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from fatigue_planner.core.errors import ClaimsError
+from fatigue_planner.core.provenance import versions
+from fatigue_planner.output.reports.html.blocks import Points, Section
+from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.sections.actions import actions_section
+from fatigue_planner.output.reports.results.sections.claims import claims_section, claims_sentence
+from fatigue_planner.output.reports.results.sections.fatigue import fatigue_section
+from fatigue_planner.output.reports.results.sections.findings import findings
+from fatigue_planner.output.reports.results.sections.losses import losses_section
+from fatigue_planner.output.reports.results.sections.provenance import provenance_section
+from fatigue_planner.output.reports.results.sections.reactions import reactions_section
+from fatigue_planner.output.reports.results.sections.returns import returns_section
+from fatigue_planner.output.reports.results.sections.sensitivity import sensitivity_section
+from fatigue_planner.output.reports.results.sections.settings import settings_section
+from fatigue_planner.output.reports.study.finished import FinishedStudy
+from fatigue_planner.study.claims.evaluation import Evaluation, evaluate
+from fatigue_planner.study.claims.loader import load_claims
+
+
+def report(
+    material: Material, gallery: Gallery, file: Path, commands: Sequence[str], study: FinishedStudy | None
+) -> str:
+    """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder.
+
+    Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`; `study` is a
+    sensitivity study of the experiment.
+    """
+    found, claims = findings(material), None
+    claims_file = file.with_name(f"{file.stem}_claims.yaml")
+    if claims_file.exists():
+        judged = evaluate_claims(material, claims_file, file)
+        claims = claims_section(judged, claims_file, gallery)
+        found.append(claims_sentence(judged))
+    if study is not None:
+        found.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
+    sections: list[Section | None] = [
+        returns_section(material, gallery),
+        losses_section(material, gallery),
+        fatigue_section(material, gallery),
+        actions_section(material, gallery),
+        reactions_section(material, gallery),
+        claims,
+        sensitivity_section(study),
+        settings_section(file),
+        provenance_section(material, list(commands), file),
+    ]
+    return page(
+        f"Results of the experiment {material.experiment.name}",
+        f"Written by fatplan {versions()['fatplan']} from {file.name} and the tables beside this page; no number is "
+        "typed.",
+        [Points(found)],
+        [section for section in sections if section is not None],
+    )
+
+
+def evaluate_claims(material: Material, file: Path, experiment_file: Path) -> Evaluation:
+    """The claims of a file, judged by the tables. Raises ClaimsError if they are about another experiment."""
+    loaded = load_claims(file)
+    if loaded.experiment_file.resolve() != experiment_file.resolve():
+        raise ClaimsError(f"{file}: experiment: is {loaded.experiment_file}; should be {experiment_file.name}.")
+    statistics, seed = material.experiment.statistics, material.experiment.benchmark.seed
+    return evaluate(loaded.claims, material.results.trials, statistics, seed, material.results.bounds)

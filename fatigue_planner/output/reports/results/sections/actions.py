@@ -1,0 +1,38 @@
+"""Which action when."""
+
+import pandas as pd
+
+from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
+from fatigue_planner.output.figures.style import words
+from fatigue_planner.output.reports.html.blocks import Section
+from fatigue_planner.output.reports.html.labels import listing, percent
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
+from fatigue_planner.study.statistics.rows import groups_of
+
+
+def actions_section(material: Material, gallery: Gallery) -> Section:
+    """The actions of the longest runs, drawn as a raster."""
+    names = list(material.experiment.actions)
+    table = raster_table(material.results.actions, material.longest)
+    caption = (
+        f"The action of every cycle in up to {RUNS} runs of {material.longest} cycles: a row is a run; runs in the "
+        "same place of a condition meet the same worker. A policy with one row is the same in every run."
+    )
+    figure = raster_figure(table, names, material.policies)
+    picture = gallery.add("actions_taken", figure, table, caption, _shares(table, names))
+    return Section("Which action when", [picture])
+
+
+def _shares(table: pd.DataFrame, names: list[str]) -> str:
+    """The most frequent action of every policy and condition."""
+    sentences = []
+    for condition, cell in groups_of(table, "condition"):
+        favourites = []
+        for policy, rows in groups_of(cell, "policy"):
+            taken = pd.Series([action for text in rows[ACTIONS] for action in actions_of(text)])
+            counts = taken.value_counts(normalize=True)
+            favourites.append(f"{words(policy)} {words(names[int(counts.index[0])])} {percent(counts.iloc[0], 0)}")
+        sentences.append(f"{words(condition)}: {listing(favourites)}")
+    return "the most frequent action and its share; " + "; ".join(sentences) + "."

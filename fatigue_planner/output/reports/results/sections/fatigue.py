@@ -1,0 +1,42 @@
+"""Fatigue over the cycles."""
+
+import numpy as np
+
+from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
+from fatigue_planner.output.figures.style import words
+from fatigue_planner.output.reports.html.blocks import Section
+from fatigue_planner.output.reports.html.labels import listing, percent
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.report_data import Material
+
+
+def fatigue_section(material: Material, gallery: Gallery) -> Section:
+    """How tired each group of joints gets under each policy in the longest runs."""
+    longest = material.longest
+    fatigue = {
+        (condition, policy): np.array([course.fatigue for course in runs])
+        for (condition, n_cycles, policy), runs in material.courses.items()
+        if n_cycles == longest
+    }
+    table = fatigue_table(fatigue)
+    caption = (
+        f"Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints, mean over the "
+        f"runs of {longest} cycles and the last {SMOOTHED_CYCLES} cycles, for the groups that end up most tired. The "
+        "data are of all groups and single cycles."
+    )
+    last = table[table["cycle"] == longest]
+    sentences = []
+    for group in most_tired(table):
+        mean = last[last["joint_group"] == group].groupby("policy", sort=False)["highest_fatigue"].mean()
+        low, high = percent(mean.min(), 0), percent(mean.max(), 0)
+        sentences.append(
+            f"{words(group)} ends at {high} whatever the policy"
+            if low == high
+            else f"{words(group)} ends between {low} ({words(str(mean.idxmin()))}) and {high} "
+            f"({words(str(mean.idxmax()))})"
+        )
+    alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
+    return Section(
+        "Fatigue over the cycles",
+        [gallery.add("fatigue", fatigue_figure(table, material.policies), table, caption, alternative)],
+    )

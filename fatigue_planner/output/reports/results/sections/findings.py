@@ -1,0 +1,88 @@
+"""What one learns, at the top of the report."""
+
+from collections import Counter
+
+import pandas as pd
+
+from fatigue_planner.output.figures.style import words
+from fatigue_planner.output.reports.html.labels import counted, listing, percent, percent_range
+from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.sections.losses import most_to_win
+from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
+from fatigue_planner.study.statistics.rows import cells_of, records
+
+
+def findings(material: Material) -> list[str]:
+    """A few sentences, each from the tables."""
+    grid, trials = material.experiment.benchmark, material.results.trials
+    items = [
+        f"{counted(len(grid.policies), 'policy', 'policies')} in {counted(len(grid.conditions), 'condition')} over "
+        f"{listing([str(n) for n in grid.n_cycles])} cycles: {counted(len(trials), 'run')}, seed {grid.seed}.",
+        _leaders(material),
+        *_against_the_anchor(material),
+    ]
+    if material.gaps is not None and len(material.gaps):
+        items.append(_most_to_win(material, material.gaps))
+    return items
+
+
+def _leaders(material: Material) -> str:
+    """Policies with the same mean all lead."""
+    best: Counter[str] = Counter()
+    cells = [cell for _, _, cell in cells_of(material.comparison)]
+    for cell in cells:
+        best.update(cell.loc[cell["mean"] == cell["mean"].max(), "policy"])
+    return (
+        "The best mean has "
+        + listing([f"`{policy}` in {count}" for policy, count in best.most_common()])
+        + f" of {counted(len(cells), 'cell')} (condition and number of cycles)."
+    )
+
+
+def _against_the_anchor(material: Material) -> list[str]:
+    """For every condition the policy with the best mean in the longest runs, beside the anchor."""
+    level, sentences = material.experiment.statistics.significance_level, []
+    for condition, n_cycles, cell in cells_of(material.comparison):
+        others = [row["policy"] for row in records(cell) if row["policy"] != material.anchor]
+        pair = (condition, n_cycles, others[0], material.anchor) if others else None
+        if n_cycles != material.longest or pair is None or not is_compared(material.contrasts, *pair):
+            continue
+        found = contrast_of(material.contrasts, *pair)
+        sentences.append(
+            f"{words(condition)}, {n_cycles} cycles: the best besides `{material.anchor}` is `{others[0]}`; its cost "
+            f"is {_difference(found, level)}."
+        )
+    return sentences
+
+
+def _difference(found: Contrast, level: float) -> str:
+    """By how much the first costs less or more than the second, of the second's cost."""
+    if found.difference == 0:
+        return "the same in every run" if not found.paired_p >= 0 else "the same"
+    cost, side = -found.second_mean, "lower" if found.difference > 0 else "higher"
+    share = f"{percent(abs(found.difference) / cost)} {side}"
+    if found.standard_error == 0:
+        return f"{share} (one deterministic run each)"
+    if not found.paired_p >= 0:
+        return f"{share} ({found.note})"
+    sign = 1 if found.difference > 0 else -1
+    low, high = sorted(sign * end / cost for end in (found.t_low, found.t_high))
+    return f"{share}, interval {percent_range(low, high)} ({_words(found, level)})"
+
+
+def _words(found: Contrast, level: float) -> str:
+    return {
+        Verdict.BETTER: "a significant difference",
+        Verdict.WORSE: "a significant difference",
+        Verdict.EQUIVALENT: "equivalent within the margin",
+        Verdict.UNDETERMINED: "undetermined",
+    }[found.verdict(level)]
+
+
+def _most_to_win(material: Material, gaps: pd.DataFrame) -> str:
+    last = gaps[(gaps["n_cycles"] == material.longest) & (gaps["policy"] == material.anchor)]
+    shares = [f"{most_to_win(row)} ({words(row['condition'])})" for row in records(last)]
+    return (
+        f"Over {material.longest} cycles no policy whatsoever can be expected to cost less than `{material.anchor}` by "
+        f"more than {listing(shares)}: the bound is proved; ± is the standard error of that policy's own mean."
+    )

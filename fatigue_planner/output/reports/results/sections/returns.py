@@ -1,0 +1,67 @@
+"""The returns: the paper's figure, and the same data as estimates with intervals."""
+
+import pandas as pd
+
+from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
+from fatigue_planner.output.figures.style import words
+from fatigue_planner.output.reports.html.blocks import Block, Section, Text
+from fatigue_planner.output.reports.html.labels import counted, listing, percent, percent_range
+from fatigue_planner.output.reports.results.drawings import draw_returns
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
+from fatigue_planner.study.statistics.rows import cells_of, records
+
+
+def returns_section(material: Material, gallery: Gallery) -> Section:
+    """Figure 5 as the paper draws it, and differences to one policy with paired intervals."""
+    blocks: list[Block] = [*draw_returns(gallery, material.experiment, material.comparison)]
+    settings = material.experiment.statistics
+    table = estimate_table(material.contrasts, material.results.trials, material.anchor)
+    if len(table):
+        level = percent(1 - settings.significance_level, 0)
+        caption = (
+            f"The same runs as estimates: mean cost above that of `{material.anchor}` in the same worlds, as share of "
+            f"its cost, with {level} intervals (paired t). In the grey band policies count as equal "
+            f"(±{percent(settings.equivalence_margin, 1)} of the cost, fixed before)."
+        )
+        figure = estimate_figure(table, settings.equivalence_margin, material.policies)
+        blocks.append(gallery.add("estimates", figure, table, caption, _extremes(table)))
+    blocks.append(Text(_counts(material, gallery.add_table("contrasts", material.contrasts))))
+    return Section("Returns", blocks)
+
+
+def _extremes(table: pd.DataFrame) -> str:
+    sentences = []
+    for condition, n_cycles, cell in cells_of(table):
+        ends = records(cell.sort_values("extra_cost_share", kind="stable").iloc[[0, -1]])
+        named = [
+            f"{words(end['policy'])} {percent(end['extra_cost_share'])}"
+            + (f" ({percent_range(low, high)})" if low < high else "")
+            for end in ends
+            for low, high in [(end["low_share"], end["high_share"])]
+        ]
+        sentences.append(f"{words(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
+    return "; ".join(sentences) + "."
+
+
+def _counts(material: Material, file: str) -> str:
+    """How the modern analysis and the paper's test count the comparisons."""
+    level = material.experiment.statistics.significance_level
+    rows = contrasts_in(material.contrasts)
+    tested = [row for row in rows if row.paired_p >= 0]
+    if not tested:
+        return "No two policies could be tested against each other."
+    counts = {verdict: sum(row.verdict(level) == verdict for row in tested) for verdict in Verdict}
+    different = counts[Verdict.BETTER] + counts[Verdict.WORSE]
+    both = [row for row in tested if row.student_p >= 0]
+    papers = sum(row.student_p < level for row in both)
+    families = list(dict.fromkeys(row.family for row in rows))
+    return (
+        f"Of {counted(len(rows), 'comparison')} in {counted(len(families), 'family', 'families')} "
+        f"({listing(families)}), {len(tested)} can be tested. Paired and corrected for the family (Holm), "
+        f"{different} differ, {counts[Verdict.EQUIVALENT]} are equivalent and "
+        f"{counts[Verdict.UNDETERMINED]} are undetermined; the paper's test, which neither pairs nor corrects, "
+        f"finds {papers} of {len(both)} different. All numbers of every comparison (intervals by t and bootstrap, "
+        f"permutation test, effect sizes, smallest detectable difference) are in `{file}`."
+    )

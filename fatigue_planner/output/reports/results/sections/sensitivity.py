@@ -1,0 +1,22 @@
+"""The sensitivity study of the experiment, where there is one."""
+
+from fatigue_planner.output.reports.html.blocks import Section, Text
+from fatigue_planner.output.reports.html.page import REPORT_FILE
+from fatigue_planner.output.reports.study.finished import FinishedStudy
+from fatigue_planner.output.reports.study.sections import claims_over_points, deciding, lessons, over_all_cells
+
+MOST_SETTINGS = 8
+
+
+def sensitivity_section(study: FinishedStudy | None) -> Section:
+    """What one learns from the study and which settings decide; or the command that makes one."""
+    title = "When does planning pay? Sensitivity"
+    if study is None:
+        how = "No sensitivity study of this experiment is among the results; `fatplan sensitivity` makes one."
+        return Section(title, [Text(how)])
+    where = f"../{study.folder.name}/"
+    blocks = [lessons(study), *deciding(study, where, MOST_SETTINGS), over_all_cells(study, where)]
+    claims = claims_over_points(study, where)
+    if claims is not None:
+        blocks += claims.blocks
+    return Section(title, [*blocks, Text(f"What was tried, and why these levels: `{where}{REPORT_FILE}`.")])

@@ -1,0 +1,100 @@
+"""A finished sensitivity study, read back from its folder."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from pydantic import BaseModel
+
+from fatigue_planner.core.errors import DamagedFileError
+from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.reactions.reaction import digests
+from fatigue_planner.study.sensitivity.settings import Headline
+
+COMMAND = "fatplan sensitivity"
+LESSONS_FILE = "lessons.txt"
+FIGURES = "figures"
+# What may differ between a study's base and the experiment a report is about: a study has a grid of its own.
+OF_THE_GRID = ("name", "benchmark", "statistics", "figures")
+
+
+class NotedStudy(BaseModel):
+    """The part of a study file that its page speaks of."""
+
+    name: str
+    baselines: tuple[str, ...]
+    headline: Headline
+
+
+class StudyNote(Note):
+    """What `fatplan sensitivity` notes: study and base experiment as plain values, seed, names of the figures."""
+
+    study: NotedStudy
+    experiment: dict[str, Any]
+    seed: int
+    figures: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class FinishedStudy:
+    """What a study left in a folder.
+
+    lessons: its sentences; tables: by the names of `sensitivity.tables`, without .csv.
+    """
+
+    folder: Path
+    note: StudyNote
+    lessons: list[str]
+    tables: dict[str, pd.DataFrame]
+
+    @property
+    def headline(self) -> Headline:
+        """The comparison that its sentences and figures speak of."""
+        return self.note.study.headline
+
+    @property
+    def baselines(self) -> list[str]:
+        """The policies that planners are compared with."""
+        return list(self.note.study.baselines)
+
+    def svg(self, figure: str) -> str:
+        """A figure's drawing."""
+        return (self.folder / FIGURES / f"{figure}.svg").read_text(encoding="utf-8")
+
+    def data(self, figure: str) -> pd.DataFrame:
+        """A figure's data."""
+        return pd.read_csv(self.folder / FIGURES / f"{figure}.csv", keep_default_na=False, na_values=[""])
+
+
+def read_study(folder: Path) -> FinishedStudy:
+    """The study in a folder. Raises DamagedFileError if its files are not what was written."""
+    note = read_note(folder, "sensitivity", StudyNote, COMMAND)
+    for file in note.sha256:
+        check_intact(folder, note, file, COMMAND)
+    files = [Path(file) for file in note.sha256]
+    tables = {file.stem: _table(folder / file) for file in files if file.suffix == ".csv" and len(file.parts) == 1}
+    return FinishedStudy(folder, note, (folder / LESSONS_FILE).read_text(encoding="utf-8").splitlines(), tables)
+
+
+def study_of(experiment: Experiment, results: Path) -> FinishedStudy | None:
+    """The study in a results folder whose base is this experiment, with the same reactions; the first by name.
+
+    Raises DamagedFileError if its files are not what was written.
+    """
+    now, reactions = experiment.plain(), set(digests(reaction_requests(experiment)).values())
+    for manifest in sorted(results.glob(f"*/{MANIFEST_FILE}")):
+        try:
+            note = read_note(manifest.parent, "sensitivity", StudyNote, COMMAND)
+        except DamagedFileError:
+            continue  # another kind of results, or of another version
+        same = all(note.experiment.get(key) == now[key] for key in now if key not in OF_THE_GRID)
+        if same and reactions <= set(note.reactions.values()):
+            return read_study(manifest.parent)
+    return None
+
+
+def _table(path: Path) -> pd.DataFrame:
+    return pd.read_csv(path, keep_default_na=False, na_values=[""])

@@ -1,0 +1,118 @@
+"""Backward in time: the quadratics V_t of `cost_bound`, one per class of histories."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.planners.bounds.history_classes import ClassStates, HistoryClasses
+from fatigue_planner.planners.bounds.quadratics import Quadratics, joined, zero
+from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
+from fatigue_planner.planners.bounds.task import Task
+
+Array = NDArray[np.float64]
+
+# A share moves towards a function by these steps; the best is kept.
+STEPS = np.arange(1, 9) / 8
+# So many classes are worked on at a time: few enough for the processor's cache.
+BLOCK = 512
+# A spread counts as at least this much, so that no curvature is so large that rounding matters.
+LEAST_SPREAD = 1e-3
+
+
+@dataclass(frozen=True)
+class Transition:
+    """A class's states before and after a cycle, and the class (M, R) that each reaction leads to."""
+
+    now: ClassStates
+    then: ClassStates
+    successors: NDArray[np.intp]
+
+
+def cost_to_go(task: Task, classes: HistoryClasses, begin: int, end: int) -> Quadratics:
+    """V_t at t = begin of every class (M,), where V_t = 0 at t = end."""
+    size = len(classes.successors)
+    blocks = [slice(first, first + BLOCK) for first in range(0, size, BLOCK)]
+    later = zero(size, task.start.size)
+    then = classes.states(end)
+    for time in range(end - 1, begin - 1, -1):
+        now = classes.states(time)
+        later = joined(
+            [
+                below_all(behaviours(task, Transition(now[b], then, classes.successors[b]), later), now[b])
+                for b in blocks
+            ]
+        )
+        then = now
+    return later
+
+
+def behaviours(task: Task, transition: Transition, later: Quadratics) -> Quadratics:
+    """The right side of (1), one function of the state before for each case of action and extreme reaction (M, F)."""
+    actions, reactions, _ = task.gain.shape
+    size = len(transition.successors)
+    each = after_reactions(task, transition, later).reshape(size, actions, 1, reactions)
+    return each.mean(reaction_extremes(task, transition.now)).reshape(size, -1)
+
+
+def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Quadratics:
+    """C(f') + gamma V_t+1(f') of every reaction (M, R), as a function of the state f before it.
+
+    With d = f - typical, f' = gain typical + offset + gain d lies e + gain d from what is typical then.
+    """
+    gain, offset = task.reactions()
+    weight, discount = task.cost_weight, task.discount
+    after = gain * transition.now.typical[:, None] + offset
+    e = after - transition.then.typical[transition.successors]
+    future = later[transition.successors]
+    return Quadratics(
+        np.square(after) @ weight + discount * future.at(e),
+        gain * (2 * weight * after + discount * (future.slope + 2 * future.curvature * e)),
+        np.square(gain) * (weight + discount * future.curvature),
+    )
+
+
+def below_all(functions: Quadratics, states: ClassStates) -> Quadratics:
+    """One function (M,) that in the box of its class lies below all of F functions (M, F).
+
+    Slopes and curvatures are those of `bent_mean`. The shares start on the first function and move
+    towards each of the others as far as that raises the mean of the result over the typical spread.
+    """
+
+    def candidate(share: Array) -> Quadratics:
+        return lowered(bent_mean(functions, share, states.spread), functions, states)
+
+    share = np.zeros_like(functions.value)
+    share[:, 0] = 1
+    merit = _typical_mean(candidate(share), states)
+    for towards in np.eye(share.shape[1])[1:]:
+        origin = share
+        for step in STEPS:
+            moved = (1 - step) * origin + step * towards
+            moved_merit = _typical_mean(candidate(moved), states)
+            share = np.where((moved_merit > merit)[:, None], moved, share)
+            merit = np.maximum(moved_merit, merit)
+    return candidate(share)
+
+
+def bent_mean(functions: Quadratics, share: Array, spread: Array) -> Quadratics:
+    """The mean (M,) of the functions (M, F) with these shares (M, F), every entry bent down by kappa.
+
+    kappa = (standard deviation, by the shares, of the functions' slopes) / (2 spread): what has to be
+    given away for the slopes that differ, deviation^2 / (4 kappa), and for the bending,
+    kappa spread^2, is then least.
+    """
+    mean = functions.mean(share)
+    deviation = np.sqrt(np.einsum("mf,mfl->ml", share, np.square(functions.slope - mean.slope[:, None])))
+    return Quadratics(mean.value, mean.slope, mean.curvature - deviation / (2 * np.maximum(spread, LEAST_SPREAD)))
+
+
+def lowered(shape: Quadratics, functions: Quadratics, states: ClassStates) -> Quadratics:
+    """The functions `shape` (M,), moved up or down until they lie below all `functions` (M, F) in their box."""
+    excess = (functions - shape[:, None]).minimum(states.low[:, None], states.high[:, None]).min(axis=-1)
+    return Quadratics(shape.value + excess, shape.slope, shape.curvature)
+
+
+def _typical_mean(function: Quadratics, states: ClassStates) -> Array:
+    """Mean (M,) over states of the class's typical mean and spread."""
+    return np.asarray(function.value + (function.curvature * np.square(states.spread)).sum(axis=-1))

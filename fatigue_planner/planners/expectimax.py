@@ -1,0 +1,133 @@
+"""The kernel of the full-width lookahead: expectimax over beliefs, every average exact.
+
+Beliefs are not normalised on the way: the value of weighted states is homogeneous in the weights, so the
+chance of an observation is the weight that is left after it.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.planners.pomcp.buffers import Numbers, Room
+from fatigue_planner.planners.pomcp.search import leaf_value
+from fatigue_planner.planners.pomcp.tree import Array
+from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.simd import aligned
+
+# Whether the observation always tells the outcome, how many observations there are, and whether leaves have values.
+TELLING = False
+N_OBSERVATIONS = 0
+LEAVES = True
+
+
+class Levels(NamedTuple):
+    """Working memory: level d's belief lies in rows begin[d] ... begin[d] + size[d] - 1.
+
+    states (rows, L), weights (rows,), probabilities (rows, K); size, branch (depth,); values (depth, A).
+    Of the level's branches (an action, then an observation) branch[d] have been begun.
+    """
+
+    begin: NDArray[np.int64]
+    size: NDArray[np.int64]
+    branch: NDArray[np.int64]
+    states: Array
+    weights: NDArray[np.float64]
+    probabilities: Array
+    values: Array
+
+
+def new_levels(states: int, width: int, depth: int, outcomes: int, actions: int, telling: bool) -> Levels:
+    """Memory for a lookahead from a belief of some states: unless the observation tells, beliefs grow."""
+    sizes = [states * (1 if telling else outcomes**level) for level in range(depth + 1)]
+    begin = np.concatenate([[0], np.cumsum(sizes)])
+    rows = int(begin[-1])
+    return Levels(
+        begin,
+        np.zeros(depth, np.int64),
+        np.zeros(depth, np.int64),
+        aligned(np.empty((rows, width))),
+        np.empty(rows),
+        np.empty((rows, outcomes)),
+        np.empty((depth, actions)),
+    )
+
+
+def best_return(
+    arrays: Any, bound_arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: np.random.Generator
+) -> float:
+    """Template: the best expected return from the weighted states of level 0, by full enumeration.
+
+        V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
+
+    with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. Below the last level stands the
+    leaf value of every state. Depth first; afterwards values[0] are those of the first actions.
+    """
+    depth, actions = levels.values.shape
+    observations = levels.probabilities.shape[1] if TELLING else N_OBSERVATIONS
+    level = 0
+    levels.branch[0] = 0
+    while True:
+        values = levels.values[level]
+        if levels.branch[level] == actions * observations:
+            best = values[0]
+            for action in range(1, actions):
+                best = max(best, values[action])
+            if level == 0:
+                return float(best)
+            level -= 1
+            levels.values[level, (levels.branch[level] - 1) // observations] += numbers.discount * best
+            continue
+        action, observation = levels.branch[level] // observations, levels.branch[level] % observations
+        last = level + 1 == depth
+        if last and not LEAVES:
+            values[action] = expected_now(arrays, levels, room, level, action)
+            levels.branch[level] += observations
+            continue
+        if observation == 0:
+            values[action] = 0.0
+            for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
+                outcome_probabilities(arrays, levels.states[i], action, levels.probabilities[i])
+        levels.branch[level] += 1
+        reached, reward = observe(arrays, levels, level, action, observation)
+        values[action] += reward
+        if last:
+            for place in range(levels.begin[depth], levels.begin[depth] + reached):
+                leaf = Room(levels.states[place], room.moved, room.probabilities, *room[3:])
+                value = leaf_value(arrays, bound_arrays, leaf, numbers, actions, rng)
+                values[action] += numbers.discount * levels.weights[place] * value
+        elif reached > 0:
+            level += 1
+            levels.size[level] = reached
+            levels.branch[level] = 0
+
+
+def expected_now(arrays: Any, levels: Levels, room: Room, level: int, action: int) -> float:
+    """Template: the expected reward of an action in a level's belief."""
+    total = 0.0
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
+        reward = expected_reward(arrays, levels.states[i], action, levels.probabilities[i], room.moved)
+        total += levels.weights[i] * reward
+    return total
+
+
+def observe(arrays: Any, levels: Levels, level: int, action: int, observation: int) -> tuple[int, float]:
+    """Template: the belief below, after an action and an observation; its size, and the expected reward on the way."""
+    below = levels.begin[level + 1]
+    reached, total = 0, 0.0
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
+        for outcome in range(levels.probabilities.shape[1]):
+            weight = levels.weights[i] * levels.probabilities[i, outcome]
+            if weight <= 0 or (TELLING and outcome != observation):
+                continue
+            moved = levels.states[below + reached]
+            for j in range(moved.size):
+                moved[j] = levels.states[i, j]
+            reward = advance(arrays, moved, action, outcome)
+            if not TELLING:
+                weight *= observation_probability(arrays, moved, action, outcome, observation)
+            if weight > 0:
+                total += weight * reward
+                levels.weights[below + reached] = weight
+                reached += 1
+    return reached, total

@@ -1,0 +1,63 @@
+"""The numbers and the working memory of a search."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.pomdp.simd import aligned_zeros
+
+Vector = NDArray[np.float64]
+
+# Stands for 0 where it may be multiplied by infinity.
+TINY = 1e-150
+
+
+class Numbers(NamedTuple):
+    """What a search goes by, with tables by count n (see `tables`)."""
+
+    exploration_constant: float
+    discount: float
+    rollout_cycles: int
+    root_log: Vector
+    inverse_root: Vector
+    inverse: Vector
+
+
+@lru_cache(maxsize=4)
+def tables(size: int) -> tuple[Vector, Vector, Vector]:
+    """sqrt(log n), 1 / sqrt(n) and 1 / n for n < size.
+
+    1 / sqrt(0) = inf lets the first action not tried win; sqrt(log 0) and sqrt(log 1) are TINY, as 0 times
+    infinity would be no number.
+    """
+    n = np.arange(size, dtype=float)
+    root_log = np.sqrt(np.log(np.maximum(n, 1)))
+    root_log[:2] = TINY
+    with np.errstate(divide="ignore"):
+        return root_log, 1 / np.sqrt(n), 1 / n
+
+
+class Room(NamedTuple):
+    """Working memory: two states (L,), outcome probabilities (K,), and the path of a descent by depth."""
+
+    state: Vector
+    moved: Vector
+    probabilities: Vector
+    nodes: NDArray[np.uint32]
+    actions: NDArray[np.uint32]
+    rewards: Vector
+
+
+def new_room(width: int, outcomes: int, capacity: int) -> Room:
+    """Memory for states of `width` numbers and a tree of `capacity` nodes."""
+    path = np.empty(capacity, np.uint32)
+    return Room(
+        aligned_zeros(width),
+        aligned_zeros(width),
+        np.zeros(outcomes),
+        path,
+        path.copy(),
+        np.empty(capacity),
+    )

@@ -1,0 +1,117 @@
+"""The interchangeable parts of a search and the kernels made of them.
+
+To add a part: write its functions (see the stand-ins in `search/descent.py`), and add a line to BACKUPS,
+EXPLORATIONS or LEAF_VALUES and to the Literal above it.
+"""
+
+from collections.abc import Callable
+from typing import Any, Literal, NamedTuple
+
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.jit import inlined, kernel, specialised
+from fatigue_planner.planners.expectimax import best_return, expected_now, observe
+from fatigue_planner.planners.pomcp.backups.exact import back_up_exact, expect_outcomes
+from fatigue_planner.planners.pomcp.backups.max import back_up_max
+from fatigue_planner.planners.pomcp.backups.mean import back_up_mean, expect_nothing
+from fatigue_planner.planners.pomcp.explorations.fixed import note_nothing, select_fixed
+from fatigue_planner.planners.pomcp.explorations.scaled import note_spread, select_scaled
+from fatigue_planner.planners.pomcp.leaf_values.bound import problem_bound
+from fatigue_planner.planners.pomcp.leaf_values.greedy_rollout import greedy_rollout
+from fatigue_planner.planners.pomcp.leaf_values.none import no_value
+from fatigue_planner.planners.pomcp.leaf_values.random_rollout import random_rollout
+from fatigue_planner.planners.pomcp.search import grow
+from fatigue_planner.pomdp.problem import Pomdp
+
+BackupName = Literal["mean", "max", "exact"]
+ExplorationName = Literal["fixed", "scaled"]
+LeafValueName = Literal["none", "random_rollout", "greedy_rollout", "bound"]
+
+Parts = dict[str, Any]
+
+
+class Backup(NamedTuple):
+    """How values go up the tree; `with_chances`: the tree keeps the chances of the observations."""
+
+    expect: Callable[[Pomdp], Any]
+    back_up: Any
+    with_chances: bool
+
+
+class Exploration(NamedTuple):
+    """How actions are chosen on the way down; `with_spread`: the tree keeps the spread of the returns."""
+
+    select_action: Any
+    note_return: Any
+    with_spread: bool
+
+
+def _expect_outcomes(model: Pomdp) -> Any:
+    return specialised(expect_outcomes, inlined, **_without_step(model), TELLING=model.telling)
+
+
+def _greedy_rollout(model: Pomdp) -> Any:
+    parts = {name: model.parts[name] for name in ("expected_reward", "step")}
+    return specialised(greedy_rollout, inlined, **parts)
+
+
+def _problem_bound(model: Pomdp) -> Any:
+    if model.dynamics.bound is None:
+        raise ExperimentError("leaf value bound: this problem has none; use none, random_rollout or greedy_rollout.")
+    return specialised(problem_bound, inlined, bound=model.dynamics.bound)
+
+
+def _without_step(model: Pomdp) -> Parts:
+    return {name: part for name, part in model.parts.items() if name != "step"}
+
+
+BACKUPS: dict[BackupName, Backup] = {
+    "mean": Backup(lambda _: expect_nothing, back_up_mean, False),
+    "max": Backup(lambda _: expect_nothing, back_up_max, False),
+    "exact": Backup(_expect_outcomes, back_up_exact, True),
+}
+EXPLORATIONS: dict[ExplorationName, Exploration] = {
+    "fixed": Exploration(select_fixed, note_nothing, False),
+    "scaled": Exploration(select_scaled, note_spread, True),
+}
+LEAF_VALUES: dict[LeafValueName, Callable[[Pomdp], Any]] = {
+    "none": lambda _: no_value,
+    "random_rollout": lambda model: specialised(random_rollout, inlined, step=model.parts["step"]),
+    "greedy_rollout": _greedy_rollout,
+    "bound": _problem_bound,
+}
+
+
+def bound_arrays_for(model: Pomdp, leaf_value: LeafValueName) -> Any:
+    """What the leaf value reads of the problem besides its arrays: 0 for nothing."""
+    return model.bound_arrays if leaf_value == "bound" else 0
+
+
+def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName, leaf_value: LeafValueName) -> Any:
+    """`search.descent.grow` for a problem and these parts, compiled."""
+    up, down = BACKUPS[backup], EXPLORATIONS[exploration]
+    return specialised(
+        grow,
+        kernel,
+        step=model.parts["step"],
+        select_action=down.select_action,
+        note_return=down.note_return,
+        expect=up.expect(model),
+        back_up=up.back_up,
+        leaf_value=LEAF_VALUES[leaf_value](model),
+    )
+
+
+def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
+    """`search.expectimax.best_return` for a problem and a leaf value, compiled."""
+    parts = _without_step(model)
+    constants = {"TELLING": model.telling, "N_OBSERVATIONS": len(model.observations)}
+    return specialised(
+        best_return,
+        kernel,
+        **parts,
+        **constants,
+        LEAVES=leaf_value != "none",
+        expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
+        observe=specialised(observe, inlined, **parts, TELLING=model.telling),
+        leaf_value=LEAF_VALUES[leaf_value](model),
+    )

@@ -1,0 +1,138 @@
+"""Monte-Carlo tree search from the belief: POMCP, POMCP-Max (paper, section III-D) and their variants."""
+
+import time
+from typing import Any
+
+import numpy as np
+
+from fatigue_planner.planners.policy import Decision, Policy, explained
+from fatigue_planner.planners.pomcp.buffers import TINY, Numbers, Room, new_room, tables
+from fatigue_planner.planners.pomcp.kernels import BACKUPS, EXPLORATIONS, bound_arrays_for, search_kernel
+from fatigue_planner.planners.pomcp.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
+from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.problem import Pomdp
+
+# A search with a time limit looks at the clock once per so many descents.
+DESCENTS_PER_LOOK = 50
+# The room of a search with a time limit: memory is taken from the system only where it is used.
+MOST_NODES = 1_000_000
+MOST_BYTES = 2**28
+
+
+class PomcpPolicy(Policy):
+    """A tree search; its settings say what it is made of and when it ends.
+
+    Its memory is kept from decision to decision, so a tree lasts until the next one is grown.
+    """
+
+    def __init__(self, settings: PomcpSettings) -> None:
+        self.settings = settings
+        # how far it comes in a time differs from run to run, and random rollouts are drawn whatever the worker
+        self.draws_at_random = settings.seconds is not None or settings.leaf_value == "random_rollout"
+        self._tree: Tree | None = None
+        self._spare: Tree | None = None
+        self._kept = False  # whether the tree is what observe kept for this decision
+        self._room: Room | None = None
+        self._tables = tables(0 if settings.seconds is None else MOST_NODES + 1)
+        self._model: Pomdp | None = None
+        self._kernel: Any = None
+        self._depth = 0
+
+    def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
+        """The action with the best estimated return at the root; the first of equals."""
+        begin = time.perf_counter()
+        root = self.tree(belief, rng, begin).nodes[0]
+        visits = root["tried"].astype(np.int64)
+        untried = visits == 0
+        values = root["value"].copy()
+        values[untried] = -np.inf
+        action = int(values.argmax())
+        values[untried] = np.nan
+        reason = explained(f"best estimated return after {visits.sum()} descents", belief)
+        return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
+
+    def observe(self, action: int, observation: int) -> None:
+        """With reuse, what follows of the tree becomes the next one."""
+        tree = self._tree
+        if tree is None or not self.settings.reuse_tree:
+            return
+        node = int(tree.nodes["child"][0, action, observation])
+        if node == UNVISITED:
+            return
+        if self._spare is None or self._spare.nodes.size < tree.nodes.size:
+            self._spare = new_tree(tree.nodes.size, tree.nodes.dtype)
+        clear(self._spare)
+        graft(tree, node, self._spare)
+        self._tree, self._spare, self._kept = self._spare, tree, True
+
+    def tree(self, belief: Belief, rng: np.random.Generator, begin: float) -> Tree:
+        """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
+        settings, model = self.settings, belief.model
+        if model is not self._model:
+            if self._model is None or not _alike(model, self._model):
+                self._tree = self._spare = self._room = None
+            self._model = model
+            self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
+        if self._tree is not None and not self._kept:
+            clear(self._tree)
+        self._kept = False
+        self._depth = 0
+        if settings.descents is not None:
+            return self._grow(belief, settings.descents, rng)
+        assert settings.seconds is not None
+        return self._grow_until(belief, begin + settings.seconds, rng)
+
+    def _grow(self, belief: Belief, descents: int, rng: np.random.Generator) -> Tree:
+        settings, model = self.settings, belief.model
+        tree, room = self._memory(belief, descents)
+        constant = max(settings.exploration_constant, TINY)
+        bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        numbers = Numbers(constant, model.discount, settings.rollout_cycles, *self._tables)
+        depth = self._kernel(
+            model.arrays, bound_arrays, belief.states, belief.weights, tree, room, descents, numbers, rng
+        )
+        self._depth = max(self._depth, depth)
+        return tree
+
+    def _grow_until(self, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
+        """Grow until another look at the clock might come too late; one descent at least per action."""
+        descents = len(belief.model.actions)
+        self._memory(belief, descents)
+        while True:
+            begin = time.perf_counter()
+            tree = self._grow(belief, descents, rng)
+            now = time.perf_counter()
+            next_look = (now - begin) / descents * DESCENTS_PER_LOOK
+            descents = DESCENTS_PER_LOOK
+            if now + 2 * next_look > end or tree.size[0] + descents > tree.nodes.size:
+                return tree
+
+    def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Room]:
+        """The tree, with room for so many descents more, and the working memory."""
+        model, settings = belief.model, self.settings
+        tree = self._tree
+        used = 1 if tree is None else int(tree.size[0])
+        if tree is None or used + descents > tree.nodes.size:
+            backup, exploration = BACKUPS[settings.backup], EXPLORATIONS[settings.exploration]
+            shape = len(model.actions), len(model.observations)
+            record = node_type(*shape, backup.with_chances, exploration.with_spread)
+            capacity = used + descents
+            if settings.seconds is not None:
+                capacity = max(capacity, min(MOST_NODES, MOST_BYTES // record.itemsize))
+            larger = new_tree(capacity, record)
+            if tree is not None:
+                larger.nodes[:used], larger.size[0] = tree.nodes[:used], used
+            self._tree = tree = larger
+        capacity = tree.nodes.size
+        width = belief.states.shape[1]
+        if self._room is None or self._room.nodes.size < capacity or self._room.state.size != width:
+            self._room = new_room(width, len(model.outcomes), capacity)
+        if self._tables[0].size <= capacity:
+            self._tables = tables(capacity + 1)
+        return tree, self._room
+
+
+def _alike(one: Pomdp, other: Pomdp) -> bool:
+    """Whether a tree of one problem serves the other: the same task, perhaps with other workers in mind."""
+    return (one.actions, one.outcomes, one.observations) == (other.actions, other.outcomes, other.observations)

@@ -1,0 +1,103 @@
+"""The kernel of the tree search: a template into which a problem's functions and the search's parts are put.
+
+A descent samples a state from the belief, follows the exploration rule and the generative model (paper,
+Fig. 4) through the tree to the leaf it adds (paper, section III-D), takes the leaf's value, and the
+backup carries what was found to the root.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.planners.pomcp.buffers import Numbers, Room
+from fatigue_planner.planners.pomcp.tree import UNVISITED, Array, Tree, Vector
+from fatigue_planner.pomdp.problem import draw, step
+
+Node = Any
+
+
+def select_action(node: Node, numbers: Numbers) -> int:
+    """Stands for the exploration rule."""
+    raise NotImplementedError
+
+
+def expect(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> None:
+    """Stands for what the backup wants to know before an action is taken in `room.state`."""
+    raise NotImplementedError
+
+
+def leaf_value(
+    arrays: Any, bound_arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator
+) -> float:
+    """Stands for the value of a new leaf, whose state is `room.state`."""
+    raise NotImplementedError
+
+
+def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+    """Stands for the backup of a chance node and its decision node.
+
+    `target` is the reward plus gamma times what the successor's backup (or the leaf value) passed on;
+    `tried` and `visited` already count the descent. What it returns is passed on to the node above.
+    """
+    raise NotImplementedError
+
+
+def note_return(node: Node, gained: float) -> None:
+    """Stands for what the exploration rule keeps of the descents' returns from a node."""
+    raise NotImplementedError
+
+
+def grow(
+    arrays: Any,
+    bound_arrays: Any,
+    states: Array,
+    weights: Vector,
+    tree: Tree,
+    room: Room,
+    descents: int,
+    numbers: Numbers,
+    rng: np.random.Generator,
+) -> int:
+    """Template: grow a tree by a number of descents from a belief (states (n, L), weights (n,)); its depth.
+
+    The tree must have room for as many nodes. Equal scores go to the first action, so a problem without
+    chance has one tree, whatever the generator (unless leaves are rated by random rollouts).
+    """
+    nodes, state = tree.nodes, room.state
+    used = tree.size[0]
+    certain = weights.size == 1
+    deepest = 0
+    for _ in range(descents):
+        particle = 0 if certain else draw(weights, rng.random())
+        for j in range(state.size):
+            state[j] = states[particle, j]
+        here = np.uint32(0)
+        depth = 0
+        while True:
+            node = nodes[here]
+            action = select_action(node, numbers)
+            expect(arrays, node, action, room, certain)
+            node.visited += np.uint32(1)
+            observation, reward = step(arrays, state, action, room.probabilities, rng)
+            room.nodes[depth], room.actions[depth], room.rewards[depth] = here, action, reward
+            depth += 1
+            here = node.child[action, observation]
+            if here == UNVISITED:
+                node.child[action, observation] = used
+                break
+        gained = leaf_value(arrays, bound_arrays, room, numbers, node.value.size, rng)
+        nodes[used].visited = 1
+        nodes[used].best = gained
+        used += 1
+        deepest = max(deepest, depth)
+        passed_on = gained
+        for level in range(depth - 1, -1, -1):
+            node = nodes[room.nodes[level]]
+            action, reward = room.actions[level], room.rewards[level]
+            node.tried[action] += np.uint32(1)
+            passed_on = back_up(nodes, node, action, reward + numbers.discount * passed_on, numbers)
+            gained = reward + numbers.discount * gained
+            note_return(node, gained)
+    tree.size[0] = used
+    return deepest

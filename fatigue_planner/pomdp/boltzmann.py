@@ -1,0 +1,54 @@
+"""How the worker chooses a motion preference."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.core.jit import inlined
+
+Vector = NDArray[np.float64]
+
+
+@inlined
+def relative_chance(excess: float, expertise: float) -> float:
+    """How much rarer than the cheapest a preference is chosen that costs so much more: exp(-beta excess).
+
+    Stable for every expertise beta from 0 (all are equal) to infinity (the cheapest only, ties shared equally).
+    math.exp is the same function compiled and not; numpy's may differ in the last bit.
+    """
+    if excess == 0 or expertise == 0:
+        return 1.0
+    if expertise == np.inf:
+        return 0.0
+    return math.exp(-expertise * excess)
+
+
+@inlined
+def lowest(costs: Vector) -> float:
+    """The smallest of the costs (U,)."""
+    found = np.inf
+    for u in range(costs.size):
+        found = min(costs[u], found)
+    return found
+
+
+@inlined
+def weigh(costs: Vector, least: float, expertise: float) -> float:
+    """Numerators of Eq. 4 in place: costs (U,), the smallest of which is `least`, become exp(-beta (c_u - least)).
+
+    Returns their sum. The largest is 1.
+    """
+    total = 0.0
+    for u in range(costs.size):
+        costs[u] = relative_chance(costs[u] - least, expertise)
+        total += costs[u]
+    return total
+
+
+@inlined
+def normalise_choice(costs: Vector, expertise: float) -> None:
+    """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u')."""
+    total = weigh(costs, lowest(costs), expertise)
+    for u in range(costs.size):
+        costs[u] /= total

@@ -1,0 +1,272 @@
+"""The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several that may be meant.
+
+A state holds the fatigue of the live entries, padded with zeros to a multiple of LANES, and in its last
+place the number of the worker it belongs to. Where the worker is known there is one, number 0.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.core.jit import inlined
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.pomdp.boltzmann import lowest, normalise_choice, relative_chance, weigh
+from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
+from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
+from fatigue_planner.pomdp.simd import LANES, aligned, move, sum_of_squares_after
+
+Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
+
+
+class FatigueArrays(NamedTuple):
+    """What the compiled functions read.
+
+    gain, offset (M * A * U, W): row (m * A + a) * U + u is worker m's cycle map of action a and preference u
+    expertise (M,): beta of Eq. 4; `even` says that it is 0 for all
+    observation (U, O): P(o | u); `sharp` says that the observation always is the preference
+    """
+
+    gain: Array
+    offset: Array
+    expertise: Vector
+    even: bool
+    observation: Array
+    sharp: bool
+    n_actions: int
+    cost_scale: float
+
+
+@inlined
+def first_row(arrays: FatigueArrays, state: Vector, action: int) -> int:
+    """The row of the action's first preference."""
+    worker = int(state[state.size - 1])
+    return int((worker * arrays.n_actions + action) * arrays.observation.shape[0])
+
+
+@inlined
+def expertise_of(arrays: FatigueArrays, state: Vector) -> float:
+    """beta of the state's worker."""
+    return float(arrays.expertise[int(state[state.size - 1])])
+
+
+@inlined
+def costs_after(arrays: FatigueArrays, state: Vector, action: int, costs: Vector) -> None:
+    """The cost of Eq. 5 after the coming cycle for every preference, (U,)."""
+    row = first_row(arrays, state, action)
+    for u in range(costs.size):
+        costs[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+
+
+@inlined
+def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector) -> None:
+    """Eq. 4: P(u | f, a) for every preference; the cost of Eq. 5 is that after the coming cycle."""
+    expertise = expertise_of(arrays, state)
+    if expertise == 0:
+        for u in range(probabilities.size):
+            probabilities[u] = 1.0 / probabilities.size
+    else:
+        costs_after(arrays, state, action, probabilities)
+        normalise_choice(probabilities, expertise)
+
+
+@inlined
+def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) -> float:
+    """The cycle's effect on fatigue, and the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
+    row = first_row(arrays, state, action) + preference
+    return -arrays.cost_scale * move(arrays.gain, arrays.offset, state, row)
+
+
+@inlined
+def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference: int, observation: int) -> float:
+    """P(o | u): how often preference u is recognised as o."""
+    return float(arrays.observation[preference, observation])
+
+
+@inlined
+def recognise(arrays: FatigueArrays, preference: int, rng: np.random.Generator) -> int:
+    """A draw of o from P(o | u)."""
+    return preference if arrays.sharp else draw(arrays.observation[preference], rng.random())
+
+
+@inlined
+def react_to_anything(
+    arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """The generative model of Fig. 4 for novices, whose choice does not depend on costs."""
+    preference = int(rng.random() * scratch.size)
+    reward = react(arrays, state, action, preference)
+    return recognise(arrays, preference, rng), reward
+
+
+@inlined
+def react_to_costs(
+    arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and its cost is known."""
+    row = first_row(arrays, state, action)
+    expertise = expertise_of(arrays, state)
+    preference, least, ties = 0, np.inf, 0
+    for u in range(scratch.size):
+        cost = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+        scratch[u] = cost
+        ties = 1 if cost < least else ties + (cost == least)
+        preference = u if cost < least else preference
+        least = min(cost, least)
+    if ties == 1 and expertise == np.inf:
+        move(arrays.gain, arrays.offset, state, row + preference)
+        reward = -least
+    else:
+        preference = draw(scratch, weigh(scratch, least, expertise) * rng.random())
+        reward = react(arrays, state, action, preference)
+    return recognise(arrays, preference, rng), reward
+
+
+@inlined
+def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector) -> float:
+    """The mean of -C over the preferences, and their probabilities: every cost is computed once."""
+    expertise, count = expertise_of(arrays, state), probabilities.size
+    costs_after(arrays, state, action, probabilities)
+    least = lowest(probabilities)
+    total, weighted = 0.0, 0.0
+    for u in range(count):
+        cost = probabilities[u]
+        chance = relative_chance(cost - least, expertise)
+        probabilities[u] = 1.0 / count if expertise == 0 else chance
+        total += chance
+        weighted += chance * cost
+    if expertise != 0:
+        for u in range(count):
+            probabilities[u] /= total
+    return -weighted / total
+
+
+FATIGUE = Dynamics(preference_probabilities, react, recognition, react_to_costs, expected_reward, best_plan_value)
+
+
+class Workers(NamedTuple):
+    """Workers that may be meant, each (M,): factors on all rates k and R of Eq. 2, and beta of Eq. 4."""
+
+    fatigue_rate_factor: Vector
+    recovery_rate_factor: Vector
+    expertise: Vector
+
+    def pick(self, chosen: NDArray[np.intp]) -> "Workers":
+        """Some of the workers."""
+        return Workers(*(values[chosen] for values in self))
+
+
+def one_worker(expertise: float) -> Workers:
+    """The worker whose rates are the experiment's."""
+    return Workers(np.ones(1), np.ones(1), np.array([float(expertise)]))
+
+
+@dataclass(frozen=True)
+class FatiguePomdp(Pomdp):
+    """The POMDP of a task; live: which of the `entries` entries its states hold, profiles (A, U): its cycles."""
+
+    live: NDArray[np.intp]
+    entries: int
+    profiles: tuple[tuple[CycleProfile, ...], ...]
+    workers: Workers
+
+    @property
+    def is_experts(self) -> bool:
+        """Whether every worker that may be meant is an expert, whose choice is certain but for ties."""
+        return bool(np.isinf(self.workers.expertise).all())
+
+    def state(self, fatigue: Vector, worker: int = 0) -> Vector:
+        """The state of a fatigue (entries,)."""
+        state = np.zeros(self.arrays.gain.shape[1] + 1)
+        state[: self.live.size] = fatigue[self.live]
+        state[-1] = worker
+        return state
+
+    def for_workers(self, workers: Workers) -> "FatiguePomdp":
+        """The same task with other workers in mind."""
+        rows = [
+            [profile.maps(workers.fatigue_rate_factor, workers.recovery_rate_factor) for profile in row]
+            for row in self.profiles
+        ]  # A x U x (gain, offset), each (M, entries)
+        gain, offset = np.moveaxis(np.array(rows), 2, 0)
+        return self.with_maps(np.moveaxis(gain, 2, 0), np.moveaxis(offset, 2, 0), workers)
+
+    @cached_property
+    def parts(self) -> dict[str, Any]:
+        """See Pomdp.parts; novices' choices are drawn without a look at the costs."""
+        parts = self.dynamics.parts(len(self.observations))
+        return parts | {"step": react_to_anything} if self.arrays.even else parts
+
+    @cached_property
+    def bound_arrays(self) -> PlanValues:
+        """The values of the best cyclic plans of every worker."""
+        shape = (len(self.workers.expertise), len(self.actions), len(self.outcomes), -1)
+        gain, offset = self.arrays.gain.reshape(shape), self.arrays.offset.reshape(shape)
+        return plan_values(gain, offset, self.discount, self.entries)
+
+    def with_maps(self, gain: Array, offset: Array, workers: Workers) -> "FatiguePomdp":
+        """The same task with these cycle maps (M, A, U, entries)."""
+        arrays = self.arrays._replace(
+            gain=self._rows(gain),
+            offset=self._rows(offset),
+            expertise=workers.expertise,
+            even=bool((workers.expertise == 0).all()),
+        )
+        return replace(self, arrays=arrays, workers=workers)
+
+    def _rows(self, table: Array) -> Array:
+        rows = np.zeros((table[..., 0].size, self.live.size + -self.live.size % LANES))  # in C order, read row by row
+        rows[:, : self.live.size] = table[..., self.live].reshape(len(rows), -1)
+        return aligned(rows)
+
+
+def build_pomdp(
+    actions: Sequence[str],
+    preferences: Sequence[str],
+    profiles: Mapping[tuple[str, str], CycleProfile],
+    initial_fatigue: Array,
+    workers: Workers,
+    discount: float,
+    recognition_matrix: Array | None = None,
+    observations: Sequence[str] | None = None,
+) -> FatiguePomdp:
+    """The POMDP of the reactions `profiles[action, preference]`.
+
+    `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
+    entries are live: all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
+    default the preference is always recognised.
+    """
+    table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
+    ever = (initial_fatigue != 0).any(axis=0)
+    for profile in profiles.values():
+        ever |= (profile.dose_s > 0).any(axis=0)
+    sharp = recognition_matrix is None
+    observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
+    empty = np.zeros((0, 0))
+    arrays = FatigueArrays(empty, empty, np.zeros(0), False, observation, sharp, len(actions), 1 / ever.size)
+    blank = FatiguePomdp(
+        actions=tuple(actions),
+        outcomes=tuple(preferences),
+        observations=tuple(observations or preferences),
+        discount=discount,
+        arrays=arrays,
+        dynamics=FATIGUE,
+        telling=sharp,
+        live=np.flatnonzero(ever),
+        entries=ever.size,
+        profiles=table,
+        workers=workers,
+    )
+    return blank.for_workers(workers)
+
+
+def fingerprint(model: FatiguePomdp) -> dict[str, Any]:
+    """All that decides what the model does, as JSON values."""
+    named = model.arrays._asdict().items()
+    arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named}
+    arrays["expertise"] = [repr(beta) for beta in model.workers.expertise.tolist()]
+    return {"arrays": arrays, "discount": model.discount, "live": model.live.tolist()}

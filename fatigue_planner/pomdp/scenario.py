@@ -1,0 +1,82 @@
+"""A condition as the planners meet it: the task, where the worker may start, and what is hidden of him."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.core.files import digest_of
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings, initial_belief
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, fingerprint
+from fatigue_planner.pomdp.hidden_worker import WorkerPrior
+from fatigue_planner.pomdp.problem import draw
+
+Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
+
+# What a policy knows of a worker with hidden parameters.
+Knowledge = Literal["prior", "average", "truth"]
+
+
+@dataclass(frozen=True)
+class Situation:
+    """The model holds the average worker; states (n, L) and weights (n,) are where he may start.
+
+    prior: the distribution of the worker, None where he is known; belief: how beliefs are kept.
+    """
+
+    model: FatiguePomdp
+    states: Array
+    weights: Vector
+    prior: WorkerPrior | None
+    belief: ExactSettings | ParticleSettings
+
+    def worker(self, uniforms: Vector) -> FatiguePomdp:
+        """The world with the worker that three draws from [0, 1) stand for."""
+        if self.prior is None:
+            return self.model
+        return self.model.for_workers(self.prior.at(uniforms[None]))
+
+    def start(self, uniform: float) -> Vector:
+        """The state that a draw from [0, 1) stands for."""
+        return np.asarray(self.states[draw(self.weights, uniform)])
+
+    def initial_belief(self, knows: Knowledge, world: FatiguePomdp, rng: np.random.Generator) -> Belief:
+        """What a policy believes before the first cycle in a world."""
+        if self.prior is None or knows == "prior":
+            return initial_belief(self.model, self.states, self.weights, self.prior, self.belief, rng)
+        model = world if knows == "truth" else self.model
+        settings = ExactSettings(kind="exact") if model.telling else self.belief
+        return initial_belief(model, self.states, self.weights, None, settings, rng)
+
+    def leaves_nothing_to_chance(self) -> bool:
+        """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
+        return self.model.is_experts and len(self.weights) == 1 and self.prior is None and self.model.telling
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of all that decides what happens in the situation."""
+        return digest_of(self.fingerprint())
+
+    def fingerprint(self) -> dict[str, Any]:
+        """All that decides what happens in the situation, as JSON values."""
+        prior, profiles = [], []
+        if self.prior is not None:  # other workers' maps follow from the profiles
+            prior = [one.plain() for one in self.prior.distributions]
+            profiles = [[profile.plain() for profile in row] for row in self.model.profiles]
+        return {
+            "model": fingerprint(self.model),
+            "profiles": profiles,
+            "states": self.states.tolist(),
+            "weights": self.weights.tolist(),
+            "prior": prior,
+            "belief": self.belief.plain(),
+        }
+
+
+def average_worker(prior: WorkerPrior) -> Workers:
+    """The worker in the middle of every distribution."""
+    return prior.at(np.full((1, len(Workers._fields)), 0.5))

@@ -1,0 +1,227 @@
+"""An entry of the cache: one self-describing HDF5 file with one reaction, sealed (see `seal`).
+
+attributes                  format, format_version, degrees_of_freedom
+key                         JSON: settings, sources, versions; its SHA-256 is the reaction's digest (`ReactionKey`)
+name                        worker, action, preference
+quality                     JSON: the checks the motion has passed (`Quality`)
+time_step_s
+phases, phase_ticks         names; first and last + 1 tick
+torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2
+                            one row per tick; attributes `units` and `columns`
+content_sha256              of all of the above
+
+What is not written by this program may be in it, too, but is never looked at. Nothing in a file is believed: it is read
+by a process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
+"""
+
+import hashlib
+import io
+import json
+import re
+from collections.abc import Callable
+from dataclasses import asdict, fields
+from typing import Any, TypeVar
+
+import h5py
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
+from fatigue_planner.core.files import canonical_json
+from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.contact import WRENCH
+from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.motion.quality import Quality
+from fatigue_planner.motion.settings import MOST_TICKS, PHASES
+from fatigue_planner.reactions.checksum import SEAL_BYTES, is_sealed, sealed
+from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
+from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
+
+T = TypeVar("T")
+
+# How an HDF5 file begins that leaves no room for a seal.
+HDF5_MARK = b"\x89HDF\r\n\x1a\n"
+FORMAT = "fatplan reaction"
+FORMAT_VERSION = 3  # to be raised when Motion, Quality or the layout above change
+
+_JOINTS = ", ".join(DEGREES_OF_FREEDOM)
+_WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
+_BASE_TWIST = "pelvis vx, vy, vz, wx, wy, wz (pelvis axes)"
+_N = len(DEGREES_OF_FREEDOM)
+# name -> (width of a row, units, columns)
+ARRAYS: dict[str, tuple[int | None, str, str]] = {
+    "torque_nm": (_N, "N.m", _JOINTS),
+    "configuration": (_N + BASE_DOF + 1, "m, -, rad", f"pelvis x, y, z, quaternion x, y, z, w; {_JOINTS}"),
+    "velocity": (_N + BASE_DOF, "m/s, rad/s", f"{_BASE_TWIST}; {_JOINTS}"),
+    "acceleration": (_N + BASE_DOF, "m/s^2, rad/s^2", f"{_BASE_TWIST}; {_JOINTS}"),
+    "wrench": (2 * WRENCH, "N, N.m", f"ground on sole, at its centre, in its axes: {_WRENCH}"),
+    "hand_force_n": (6, "N", "force on the fist, world axes: right x, y, z, left x, y, z"),
+    "hand_error_m": (None, "m", "distance of a fist from its reference, the larger of both"),
+    "eased_radps2": (_N, "rad/s^2", f"how far accelerations are outside their bounds: {_JOINTS}"),
+}
+_ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
+MOST_TEXT = 1_000_000
+LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
+MOST_BYTES = MOST_TICKS * _ROW_BYTES + 4 * MOST_TEXT
+
+_TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
+LAYOUT = Layout(
+    datasets={
+        **_TEXT,
+        "quality": ("S", ()),
+        "content_sha256": ("S", ()),
+        "time_step_s": ("f8", ()),
+        "phases": ("S", (len(PHASES),)),
+        "phase_ticks": ("i8", (len(PHASES), 2)),
+        **{name: ("f8", (None,) if width is None else (None, width)) for name, (width, _, _) in ARRAYS.items()},
+    },
+    most_rows=MOST_TICKS,
+    most_text=MOST_TEXT,
+)
+_KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MOST_TEXT)
+HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
+# What a key or a name that is none raises.
+_UNREADABLE = (ValueError, TypeError, RecursionError)
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}")
+_QUALITY = TypeAdapter(Quality)
+_KEY_PARTS = {part.name for part in fields(ReactionKey)}
+
+
+def entry_bytes(reaction: Reaction) -> bytes:
+    """The content of the file of a reaction, the same for the same reaction."""
+    content, motion = io.BytesIO(), reaction.motion
+    with h5py.File(content, "w", track_order=False, userblock_size=SEAL_BYTES) as file:
+        file["format"] = np.bytes_(FORMAT)
+        file["format_version"] = FORMAT_VERSION
+        file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
+        file["name"] = np.array(reaction.name, dtype=np.bytes_)
+        file["quality"] = np.bytes_(canonical_json(asdict(reaction.quality)).encode())
+        file["time_step_s"] = motion.time_step_s
+        file["phases"] = np.array([phase.name for phase in motion.phases], dtype=np.bytes_)
+        file["phase_ticks"] = np.array([[phase.start, phase.stop] for phase in motion.phases], dtype="<i8")
+        file["content_sha256"] = np.bytes_(_content_sha256(reaction))
+        for name, (_, units, columns) in ARRAYS.items():
+            data = file.create_dataset(
+                name, data=getattr(motion, name), compression="gzip", compression_opts=1, shuffle=True, fletcher32=True
+            )
+            data.attrs["units"] = units
+            data.attrs["columns"] = columns
+            file.flush()  # else where it stands in the file depends on when Python lets go of it
+    return sealed(content.getvalue())
+
+
+def read_entry(content: bytes, source: str) -> Reaction:
+    """The reaction in the content of a file, checked; `source` is how messages call it.
+
+    Raises OtherVersionError for a file of another format, DamagedFileError if it is not, to the bit, what was written,
+    or not a reaction that could have been.
+    """
+    return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source))
+
+
+def read_key(content: bytes, source: str) -> tuple[ReactionName, ReactionKey]:
+    """Name and key of the reaction in the content of a file. Raises as `read_entry`."""
+    return _parsed(content, source, _KEY_LAYOUT, lambda found: (_name(found["name"]), _key(found["key"])))
+
+
+def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[str, Array]], T]) -> T:
+    _check_format(content, source)
+    try:
+        return parse(read_hdf5(content, layout))
+    except UnreadableError as error:
+        raise DamagedFileError(f"{source}: {error}.") from error
+    except _UNREADABLE as error:
+        raise DamagedFileError(f"{source}: is not one of our reactions ({error}).") from error
+
+
+def _check_format(content: bytes, source: str) -> None:
+    if content.startswith(HDF5_MARK):
+        raise OtherVersionError(f"{source}: has no seal; it is an earlier version's, or not fatplan's.")
+    if not is_sealed(content):
+        raise DamagedFileError(f"{source}: does not match its hash; it was altered or damaged.")
+    try:
+        head = read_hdf5(content, HEAD)
+    except UnreadableError as error:
+        raise DamagedFileError(f"{source}: {error}.") from error
+    if head["format"].item() != FORMAT.encode():
+        raise DamagedFileError(f"{source}: is not a {FORMAT}.")
+    if int(head["format_version"]) != FORMAT_VERSION:
+        found = int(head["format_version"])
+        raise OtherVersionError(f"{source}: has format {found}; this version reads {FORMAT_VERSION}.")
+
+
+def _reaction(found: dict[str, Array], source: str) -> Reaction:
+    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < LARGEST).all()]
+    if wrong:
+        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {LARGEST:.0e}")
+    reaction = Reaction(
+        name=_name(found["name"]),
+        key=_key(found["key"]),
+        motion=Motion(
+            time_step_s=_time_step(found["time_step_s"]),
+            phases=_phases(found["phases"], found["phase_ticks"], len(found["torque_nm"])),
+            **{name: found[name] for name in ARRAYS},
+        ),
+        quality=_quality(found["quality"]),
+    )
+    if _content_sha256(reaction).encode() != found["content_sha256"].item():
+        raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
+    return reaction
+
+
+def _time_step(found: Array) -> float:
+    if not found > 0:
+        raise ValueError(f"time_step_s is {float(found)}")
+    return float(found)
+
+
+def _phases(names: Array, ticks: Array, rows: int) -> tuple[Phase, ...]:
+    """One after the other, none empty, and no ticks besides."""
+    starts, stops = ticks.T.tolist()
+    right = names.tolist() == [name.encode() for name in PHASES] and [*starts, rows] == [0, *stops]
+    if not right or (ticks[:, 0] >= ticks[:, 1]).any():
+        raise ValueError(f"phases {names.tolist()} at ticks {ticks.tolist()} of {rows}")
+    return tuple(Phase(name, *ends) for name, ends in zip(PHASES, ticks.tolist(), strict=True))
+
+
+def _name(found: Array) -> ReactionName:
+    name = ReactionName(*(part.decode() for part in found.tolist()))
+    if not all(_NAME.fullmatch(part) for part in name):
+        raise ValueError(f"its name is {tuple(name)}")
+    return name
+
+
+def _key(found: Array) -> ReactionKey:
+    """Only the text that this program writes: no NaN, no key twice; and nothing in it that JSON has to escape."""
+    text = found.item().decode()
+    parts: Any = json.loads(text)
+    if canonical_json(parts) != text or not text.isprintable() or "\\" in text:
+        raise ValueError("its key is not as this program writes it")
+    if set(parts) != _KEY_PARTS or not all(isinstance(part, dict) for part in parts.values()):
+        raise ValueError("its key is none")
+    return ReactionKey(**parts)
+
+
+def _quality(found: Array) -> Quality:
+    try:
+        quality = _QUALITY.validate_json(found.item(), strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        raise ValueError(f"quality {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
+    if canonical_json(asdict(quality)).encode() != found.item():
+        raise ValueError("its quality is not as this program writes it")
+    if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
+        raise ValueError("its quality names a joint that is none")
+    return quality
+
+
+def _content_sha256(reaction: Reaction) -> str:
+    """SHA-256 over key, name, quality and arrays of a reaction."""
+    motion = reaction.motion
+    head = [reaction.key.plain(), reaction.name, asdict(reaction.quality), motion.time_step_s, motion.phases]
+    digest = hashlib.sha256(canonical_json(head).encode())
+    for name in ARRAYS:
+        array = np.ascontiguousarray(getattr(motion, name), dtype="<f8")
+        digest.update(canonical_json([name, array.shape]).encode() + array.tobytes())
+    return digest.hexdigest()

@@ -1,0 +1,100 @@
+"""The cells of a benchmark."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fatigue_planner.core.files import digest_of, digest_of_package
+from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.core.random_streams import stream
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.study.benchmark.job import Job
+from fatigue_planner.study.benchmark.random_numbers import draw_world
+from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
+
+# What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
+SOURCES = (
+    "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
+    "study/benchmark/random_numbers.py", "study/benchmark/trial.py",
+)  # fmt: skip
+NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
+
+
+@dataclass(frozen=True)
+class Cell(Job[TrialResult]):
+    """One policy in one condition for one number of cycles."""
+
+    condition: str
+    n_cycles: int
+    policy: str
+    settings: PolicySettings
+    situation: Situation
+    seed: int
+    trials: int
+
+    @property
+    def name(self) -> str:
+        """See Job.name."""
+        return f"{self.condition}/{self.n_cycles}/{self.policy}"
+
+    @property
+    def effort(self) -> int:
+        """See Job.effort."""
+        return self.n_cycles
+
+    def digest(self) -> str:
+        """See Job.digest."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
+        return digest_of(
+            {
+                "cell": [self.condition, self.n_cycles, self.policy, self.seed],
+                "policy": self.settings.plain(),
+                "situation": self.situation.digest,
+                "sources": digest_of_package(*SOURCES),
+                "versions": versions_of(*NUMERICAL_LIBRARIES),
+            }
+        )
+
+    def is_deterministic(self) -> bool:
+        """Whether every run is the same (paper, footnote 4): nothing left to chance, no dice in the policy."""
+        return self.situation.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
+
+    def trial_numbers(self) -> range:
+        """See Job.trial_numbers: one where every run is the same."""
+        return range(1 if self.is_deterministic() else self.trials)
+
+    def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
+        """See Job.run."""
+        self._load_compiled_code(trials if self.situation.prior else trials[:1])
+        results = {}
+        for trial in trials:
+            world = draw_world(self.seed, self.condition, self.n_cycles, trial)
+            planner = stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
+            policy = build_policy(self.settings)
+            results[trial] = run_trial(self.situation, policy, self.settings.knows, self.n_cycles, world, planner)
+        return results
+
+    def result_of(self, row: Mapping[str, Any]) -> TrialResult:
+        """See Job.result_of."""
+        return TrialResult(**{**row, "actions": tuple(row["actions"])})
+
+    def outcome(self, result: TrialResult) -> tuple[Any, ...]:
+        """See Job.outcome."""
+        return result.discounted_return, result.final_cost, result.peak_cost, result.actions
+
+    def _load_compiled_code(self, trials: Sequence[int]) -> None:
+        """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""
+        settings, rng = self.settings, np.random.default_rng(0)
+        if isinstance(settings, PomcpSettings):
+            settings = settings.model_copy(update={"descents": 1, "seconds": None})
+        for trial in trials:
+            world = self.situation.worker(draw_world(self.seed, self.condition, self.n_cycles, trial).worker)
+            build_policy(settings).act(self.situation.initial_belief(settings.knows, world, rng), rng)

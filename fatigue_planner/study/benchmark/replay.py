@@ -1,0 +1,41 @@
+"""Runs again, from the actions that were taken: a world is drawn before a run, so its course follows from them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.pomdp.problem import Vector
+from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.random_numbers import draw_world
+from fatigue_planner.study.benchmark.trial import cycle_of
+
+
+@dataclass(frozen=True)
+class Course:
+    """What happened in a run of n cycles.
+
+    fatigue: (n, entries) after every cycle; observations: (n,) what each reaction was recognised as;
+    discounted_return: what the run came to.
+    """
+
+    fatigue: NDArray[np.float64]
+    observations: tuple[int, ...]
+    discounted_return: float
+
+
+def replay(cell: Cell, trial: int, actions: Sequence[int]) -> Course:
+    """The course of a trial in which these actions were taken, bit for bit that of the run."""
+    world = draw_world(cell.seed, cell.condition, cell.n_cycles, trial)
+    model = cell.situation.worker(world.worker)
+    state: Vector = cell.situation.start(world.start)
+    fatigue, observations = np.zeros((len(actions), model.entries)), []
+    total, discount = 0.0, 1.0
+    for cycle, action in enumerate(actions):
+        state, reward, observation = cycle_of(model, state, action, world, cycle)
+        total += discount * reward
+        discount *= model.discount
+        fatigue[cycle, model.live] = state[: model.live.size]
+        observations.append(observation)
+    return Course(fatigue, tuple(observations), total)

@@ -1,0 +1,120 @@
+"""What a command asks of an experiment's grid, and the cells it comes to."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
+from fatigue_planner.experiment.build import situation
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.planners.effort import check_effort
+from fatigue_planner.planners.reference import reference_for
+from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings, ReferenceSettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.reactions.reaction import ReactionName
+from fatigue_planner.study.benchmark.cell import Cell
+
+T = TypeVar("T")
+
+LONGEST_SUFFIX = 120  # file systems end at 255
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What the options ask of the grid; None leaves it as it is in the file."""
+
+    cycles: Sequence[int] | None
+    conditions: Sequence[str] | None
+    policies: Sequence[str] | None
+    trials: int | None
+    descents: int | None
+    seed: int | None
+
+    def suffix(self) -> str:
+        """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
+        lists: dict[str, Sequence[object] | None] = {
+            "cycles": self.cycles, "conditions": self.conditions, "policies": self.policies
+        }  # fmt: skip
+        numbers = {"trials": self.trials, "descents": self.descents, "seed": self.seed}
+        parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
+        parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
+        suffix = "".join(parts)
+        return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
+
+
+def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> list[T]:
+    """The wanted items in the order of `available`; all, if nothing is wanted in particular.
+
+    Raises SelectionError naming what is not available.
+    """
+    if not wanted:
+        return list(available)
+    unknown = [item for item in wanted if item not in available]
+    if unknown:
+        named, known = ", ".join(map(str, unknown)), ", ".join(map(str, available))
+        raise SelectionError(f"--{what} {named}: not in the experiment; available: {known}.")
+    return [item for item in available if item in wanted]
+
+
+def selected(experiment: Experiment, wanted: Selection) -> Experiment:
+    """The experiment with the grid that is asked for. Raises SelectionError for unknown names."""
+    grid = experiment.benchmark
+    changes = {
+        "n_cycles": tuple(choose("cycles", grid.n_cycles, wanted.cycles)),
+        "conditions": {
+            name: grid.conditions[name] for name in choose("conditions", list(grid.conditions), wanted.conditions)
+        },
+        "policies": {
+            name: _with_descents(grid.policies[name], wanted.descents)
+            for name in choose("policies", list(grid.policies), wanted.policies)
+        },
+        "trials": wanted.trials or grid.trials,
+        "seed": grid.seed if wanted.seed is None else wanted.seed,
+    }
+    return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes)})
+
+
+def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettings:
+    if descents is None or not isinstance(policy, PomcpSettings):
+        return policy
+    return policy.model_copy(update={"descents": descents, "seconds": None})
+
+
+def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
+    """The cells of the experiment's grid. Raises ExperimentError for a lookahead that could never be waited for."""
+    grid = experiment.benchmark
+    situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
+    for name, policy in grid.policies.items():
+        if isinstance(policy, LookaheadSettings):
+            for one in situations.values():
+                check_effort(f"benchmark.policies.{name}", policy, _initial_belief(one))
+    return [
+        Cell(condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials)
+        for condition in grid.conditions
+        for n_cycles in grid.n_cycles
+        for policy, settings in grid.policies.items()
+    ]
+
+
+def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, ReferenceSettings]:
+    """What the decisions in each condition of a grid are measured against.
+
+    Raises ExperimentError for a reference that could never be waited for.
+    """
+    chosen = experiment.benchmark.reference
+    found = {}
+    for name, one in {cell.condition: cell.situation for cell in grid}.items():
+        belief = _initial_belief(one)
+        if chosen is not None:
+            check_effort("benchmark.reference", chosen, belief)
+        found[name] = chosen or reference_for(belief)
+    return found
+
+
+def _initial_belief(one: Situation) -> Belief:
+    return one.initial_belief("prior", one.model, np.random.default_rng(0))

@@ -1,0 +1,60 @@
+"""One run of the task: a policy against the generative model as the world."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from fatigue_planner.planners.policy import Policy
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
+from fatigue_planner.pomdp.problem import Vector, draw
+from fatigue_planner.pomdp.scenario import Knowledge, Situation
+from fatigue_planner.study.benchmark.random_numbers import World
+
+
+@dataclass(frozen=True)
+class TrialResult:
+    """What a run came to, and the number of the action of every cycle. Times are wall-clock seconds per decision."""
+
+    discounted_return: float
+    final_cost: float
+    peak_cost: float
+    mean_planning_time_s: float
+    longest_planning_time_s: float
+    actions: tuple[int, ...]
+
+
+def cycle_of(model: FatiguePomdp, state: Vector, action: int, world: World, cycle: int) -> tuple[Vector, float, int]:
+    """What a cycle comes to in a world: the next state, the reward and the observation."""
+    preference = draw(model.probabilities(state, action), world.preference[cycle])
+    moved, reward = model.after(state, action, preference)
+    seen = draw(model.observation_probabilities(moved, action, preference), world.observation[cycle])
+    return moved, reward, seen
+
+
+def run_trial(
+    situation: Situation, policy: Policy, knows: Knowledge, n_cycles: int, world: World, rng: np.random.Generator
+) -> TrialResult:
+    """Run the task for a number of cycles; `rng` is the planner's own stream.
+
+    The return is the sum over the cycles t = 0 ... n_cycles - 1 of gamma^t r_t, r_t = -C(f_t+1).
+    """
+    model = situation.worker(world.worker)
+    state = situation.start(world.start)
+    belief = situation.initial_belief(knows, model, rng)
+    total, discount = 0.0, 1.0
+    costs, times, actions = np.empty(n_cycles), np.empty(n_cycles), []
+    for cycle in range(n_cycles):
+        begin = time.perf_counter()
+        action = policy.act(belief, rng).action
+        times[cycle] = time.perf_counter() - begin
+        actions.append(int(action))
+        state, reward, observation = cycle_of(model, state, action, world, cycle)
+        costs[cycle] = -reward
+        total -= discount * costs[cycle]
+        discount *= model.discount
+        policy.observe(action, observation)
+        belief = belief.update(action, observation, rng)
+    return TrialResult(
+        total, float(costs[-1]), float(costs.max()), float(times.mean()), float(times.max()), tuple(actions)
+    )

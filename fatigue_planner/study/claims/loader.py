@@ -1,0 +1,66 @@
+"""From a file of claims to claims whose every name is known, or one clear message."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from fatigue_planner.core.errors import ClaimsError, listed, shortened
+from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.experiment.error_messages import fault_text, told_together
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.study.claims.relations.registry import RELATIONS
+from fatigue_planner.study.claims.schema import Claim, ClaimsFile
+
+
+@dataclass(frozen=True)
+class Claims:
+    """The claims by name, and the experiment they are about with its file."""
+
+    claims: dict[str, Claim]
+    experiment: Experiment
+    experiment_file: Path
+
+
+def load_claims(path: Path) -> Claims:
+    """The claims of a file and their experiment, checked completely.
+
+    Raises ClaimsError: file, key, value, what is allowed; and as `load_experiment`.
+    """
+    content = read_yaml(path, ClaimsError)
+    if not isinstance(content, dict):
+        raise ClaimsError(f"{path}: is not a mapping; see experiments/paper_claims.yaml for an example.")
+    try:
+        file = ClaimsFile.model_validate(content, strict=True)
+    except ValidationError as error:
+        raise ClaimsError(fault_text(error, ClaimsFile, str(path))) from error
+    experiment_file = path.parent / file.experiment
+    experiment = load_experiment(experiment_file)
+    faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]
+    if faults:
+        raise ClaimsError(told_together(str(path), faults))
+    return Claims(file.claims, experiment, experiment_file)
+
+
+def _faults(key: str, claim: Claim, experiment: Experiment) -> Iterable[str]:
+    grid = experiment.benchmark
+    known: dict[str, Iterable[object]] = {
+        "conditions": grid.conditions, "n_cycles": grid.n_cycles, "policies": grid.policies, "others": grid.policies
+    }  # fmt: skip
+    for part, names in known.items():
+        items = getattr(claim, part)
+        unknown = [item for item in items if item not in names]
+        if unknown:
+            yield f"{key}.{part}: {listed(unknown)} not in {experiment.name}; known are {listed(names)}."
+        if len(set(items)) < len(items):
+            yield f"{key}.{part}: something stands twice."
+    both = [name for name in claim.policies if name in claim.others]
+    if both:
+        yield f"{key}.others: {listed(both)} already among the policies."
+    relation = RELATIONS.get(claim.relation)
+    if relation is None:
+        yield f"{key}.relation = {shortened(claim.relation)}: should be one of {listed(RELATIONS)}."
+    elif fault := relation.fault(claim):
+        yield f"{key}: {claim.relation} {fault}."

@@ -1,0 +1,75 @@
+"""What planning gains over a baseline at every point, from runs that meet the same worlds."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from fatigue_planner.study.statistics.rows import cells_of
+
+Vector = NDArray[np.float64]
+
+CONFIDENCE = 0.95
+# Differences of this share of the cost are rounding.
+ROUNDING = 1e-12
+COLUMNS = [
+    "point", "condition", "n_cycles", "planner", "baseline", "trials", "baseline_cost", "gain", "standard_error",
+    "gain_low", "gain_high",    "verdict",
+]  # fmt: skip
+
+
+def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], baselines: Sequence[str]) -> pd.DataFrame:
+    """One row per point, condition, length, planner and baseline (COLUMNS).
+
+    `trials`: by point, as `benchmark.table`'s. gain: by how much the planner's mean cost is below the baseline's, as a
+    share of the baseline's mean cost (0 where nothing costs anything). standard_error, and gain_low, gain_high, its
+    95 % confidence interval by Student's t: of the paired differences, the baseline's mean taken as given. A policy
+    that was run once because all its runs are the same counts for every trial. verdict: better or worse where the
+    interval leaves out 0, else undecided; each for itself, so 5 % of no differences are called one.
+    """
+    rows = []
+    for point, table in trials.items():
+        for condition, n_cycles, cell in cells_of(table):
+            costs = {str(name): -own.to_numpy() for name, own in cell.groupby("policy")["discounted_return"]}
+            same = cell.groupby("policy")["deterministic"].all()
+            for planner in planners:
+                for baseline in baselines:
+                    certain = bool(same[planner] and same[baseline])
+                    gain = paired_gain(costs[planner], costs[baseline], certain)
+                    rows.append((point, condition, n_cycles, planner, baseline, *gain))
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, float, float, float, float, float, str]:
+    """Trials, the baseline's mean cost, gain, standard error, interval and verdict, from costs (trials,) or (1,).
+
+    `certain`: every run is the same, so that one is enough.
+    """
+    saved = baseline - planner
+    cost = float(baseline.mean())
+    unit = cost if cost > 0 else 1.0
+    gain = float(saved.mean()) / unit
+    gain = 0.0 if abs(gain) < ROUNDING else gain
+    if certain:
+        error = width = 0.0
+    elif saved.size < 2:
+        error = width = np.nan
+    else:
+        from scipy.stats import t  # noqa: PLC0415 - takes half a second
+
+        error = float(saved.std(ddof=1)) / saved.size**0.5 / unit
+        width = float(t.ppf((1 + CONFIDENCE) / 2, saved.size - 1)) * error
+    low, high = gain - width, gain + width
+    verdict = "better" if low > 0 else "worse" if high < 0 else "undecided"
+    return saved.size, cost, gain, error, low, high, verdict
+
+
+def leader_table(trials: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """The policy with the least mean cost, one row per point, condition and length."""
+    rows = []
+    for point, table in trials.items():
+        for condition, n_cycles, cell in cells_of(table):
+            means = cell.groupby("policy", sort=False)["discounted_return"].mean()
+            rows.append((point, condition, n_cycles, str(means.idxmax()), -float(means.max())))
+    return pd.DataFrame(rows, columns=["point", "condition", "n_cycles", "policy", "mean_cost"])

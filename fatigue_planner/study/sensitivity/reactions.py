@@ -1,0 +1,88 @@
+"""The postural reactions of all points: each is found in the cache or simulated once, whatever the number of points."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from fatigue_planner.core.executors.executor import Executor
+from fatigue_planner.core.files import DIGEST_LENGTH
+from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.reactions.cache import Outcome, ReactionCache
+from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest, digests
+from fatigue_planner.study.sensitivity.design import Point
+
+Profiles = dict[ReactionName, CycleProfile]
+
+
+@dataclass(frozen=True)
+class Reacted:
+    """What a point's reactions come to: their profiles, or None and why some cannot be performed."""
+
+    point: Point
+    profiles: Profiles | None
+    reason: str = ""
+
+
+def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
+    """Every reaction that some point needs, once."""
+    found = {
+        request.digest: request
+        for point in points
+        if point.experiment is not None
+        for request in reaction_requests(point.experiment)
+    }
+    return list(found.values())
+
+
+def unique_digests(points: Sequence[Point]) -> dict[str, str]:
+    """Digest of every reaction that some point needs; where names are not unique, it is in the name, too."""
+    return digests(replace(request, name=_own_name(request)) for request in unique_requests(points))
+
+
+def react(
+    points: Sequence[Point],
+    cache: ReactionCache,
+    executor: Executor,
+    progress: Callable[[Outcome], None],
+    command: str,
+) -> list[Reacted]:
+    """All points with the cycle profiles of their reactions.
+
+    Reactions not in the cache are simulated and kept there. A point one of whose reactions fails has no profiles. One
+    motion at a time is held in memory. `progress` hears of every reaction; `command` is what the user ran, for
+    messages. Raises OutputFolderError.
+    """
+    requests = unique_requests(points)
+    outcomes = cache.complete(requests, executor, progress)
+    failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
+    good = [request for request in requests if request.digest not in failures]
+    needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
+    reasons: dict[str, list[str]] = {}
+    for point in points:
+        if point.experiment is None:
+            continue
+        for request in reaction_requests(point.experiment):
+            needs.setdefault(request.digest, []).append((point, point.experiment, request.name))
+            if request.digest in failures:
+                reasons.setdefault(point.name, []).append(f"{request.name}: {failures[request.digest]}")
+    profiles: dict[str, Profiles] = {point.name: {} for point in points}
+    for reaction in cache.stream(good, command):
+        for point, experiment, name in needs[reaction.digest]:
+            if point.name not in reasons:
+                parameters = worker_fatigue(experiment)[name.worker]
+                profiles[point.name][name] = cycle_profile(
+                    reaction.motion.torque_nm, reaction.motion.time_step_s, parameters
+                )
+    return [_reacted(point, profiles[point.name], reasons.get(point.name, [])) for point in points]
+
+
+def _reacted(point: Point, profiles: Profiles, reasons: list[str]) -> Reacted:
+    if point.experiment is None or reasons:
+        return Reacted(point, None, point.reason or " ".join(reasons))
+    order = [request.name for request in reaction_requests(point.experiment)]
+    return Reacted(point, {name: profiles[name] for name in order})
+
+
+def _own_name(request: ReactionRequest) -> ReactionName:
+    return request.name._replace(worker=f"{request.name.worker}_{request.digest[:DIGEST_LENGTH]}")

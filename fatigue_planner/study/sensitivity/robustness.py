@@ -1,0 +1,52 @@
+"""Which of the paper's claims hold how often, over all points that can be performed."""
+
+from collections.abc import Callable, Mapping
+
+import pandas as pd
+
+from fatigue_planner.study.claims.answers import Answer, Verdict
+from fatigue_planner.study.claims.evaluation import FEWEST_RESAMPLES, verdicts
+from fatigue_planner.study.claims.loader import Claims
+from fatigue_planner.study.statistics.contrasts import contrasts
+
+# The verdicts on the claims, by claim, from the trials of one point.
+VerdictsOf = Callable[[pd.DataFrame], Mapping[str, Verdict]]
+
+REPRODUCED = Answer.HOLDS.verdict
+ANALYSES = ("modern", "paper")
+
+
+def judge(claims: Claims) -> VerdictsOf:
+    """How the claims are judged at a point: as in the base experiment, policies it does not have left aside."""
+    experiment = claims.experiment
+    few = experiment.statistics.model_copy(update={"resamples": FEWEST_RESAMPLES})
+
+    def verdicts_of(trials: pd.DataFrame) -> Mapping[str, Verdict]:
+        own = trials[trials["policy"].isin(experiment.benchmark.policies)]
+        return verdicts(claims.claims, own, contrasts(own, few, experiment.benchmark.seed), few)
+
+    return verdicts_of
+
+
+def claim_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> pd.DataFrame:
+    """How many points have which verdict.
+
+    One row per claim, analysis (modern, or the paper's own) and verdict: points, and share of all points.
+    """
+    rows = [
+        (claim, analysis, getattr(verdict, analysis).verdict)
+        for table in trials.values()
+        for claim, verdict in verdicts_of(table).items()
+        for analysis in ANALYSES
+    ]
+    found = pd.DataFrame(rows, columns=["claim", "analysis", "verdict"])
+    counts = found.groupby(["claim", "analysis", "verdict"], sort=False).size().reset_index(name="points")
+    counts["share"] = counts["points"] / counts.groupby(["claim", "analysis"])["points"].transform("sum")
+    return counts
+
+
+def reproduced_share(claims: pd.DataFrame) -> pd.Series:
+    """By claim, in which share of the points it is reproduced (modern analysis), the most robust claim first."""
+    own = claims[claims["analysis"] == ANALYSES[0]]
+    held = own["share"].where(own["verdict"] == REPRODUCED, 0.0)
+    return held.groupby(own["claim"], sort=False).sum().sort_values(ascending=False, kind="stable")

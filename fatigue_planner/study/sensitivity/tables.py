@@ -1,0 +1,82 @@
+"""The tables of a study."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+
+from fatigue_planner.study.sensitivity.conclusions import lessons
+from fatigue_planner.study.sensitivity.factors.factor import level_text
+from fatigue_planner.study.sensitivity.gains import gain_table, leader_table
+from fatigue_planner.study.sensitivity.importance import importance_table
+from fatigue_planner.study.sensitivity.reactions import Reacted
+from fatigue_planner.study.sensitivity.robustness import VerdictsOf, claim_table
+from fatigue_planner.study.sensitivity.study import Study
+
+
+@dataclass(frozen=True)
+class StudyTables:
+    """What a study comes to; each table is described where it is made.
+
+    factors: one row per factor: its levels, the base experiment's own, and the reason for them.
+    points: one row per point: its design, whether it is feasible and if not why, and its level of every factor.
+    claims: None if the claims were not judged.
+    """
+
+    factors: pd.DataFrame
+    points: pd.DataFrame
+    gains: pd.DataFrame
+    leaders: pd.DataFrame
+    importance: pd.DataFrame
+    claims: pd.DataFrame | None
+    lessons: list[str]
+
+    def files(self) -> dict[str, pd.DataFrame]:
+        """The tables by the name of their file."""
+        tables = {"factors": self.factors, "points": self.points, "gains": self.gains}
+        tables |= {"leaders": self.leaders, "importance": self.importance}
+        return tables if self.claims is None else tables | {"claims_over_points": self.claims}
+
+
+def study_tables(
+    study: Study,
+    reacted: Sequence[Reacted],
+    trials: Mapping[str, pd.DataFrame],
+    verdicts_of: VerdictsOf | None,
+) -> StudyTables:
+    """All tables and sentences from the trials of every point; `verdicts_of` judges the paper's claims at a point."""
+    settings = study.settings
+    points = [one.point for one in reacted]
+    gains = gain_table(trials, settings.planners, settings.baselines)
+    leaders = leader_table(trials)
+    importance = importance_table(points, gains, settings.factors, settings.space_filling.seed)
+    claims = None if verdicts_of is None else claim_table(trials, verdicts_of)
+    sentences = lessons(settings, points, gains, importance, leaders, claims, study.base.statistics)
+    return StudyTables(_factor_table(study), _point_table(reacted), gains, leaders, importance, claims, sentences)
+
+
+def _factor_table(study: Study) -> pd.DataFrame:
+    base = study.base_levels()
+    return pd.DataFrame(
+        {
+            "factor": name,
+            "levels": ", ".join(map(level_text, factor.all_levels())),
+            "base": level_text(base[name]),
+            "reason": factor.reason,
+        }
+        for name, factor in study.settings.factors.items()
+    )
+
+
+def _point_table(reacted: Sequence[Reacted]) -> pd.DataFrame:
+    return pd.DataFrame(
+        {
+            "point": one.point.name,
+            "design": one.point.design,
+            "factor": one.point.factor,
+            "feasible": one.profiles is not None,
+            **one.point.levels,
+            "reason": one.reason,
+        }
+        for one in reacted
+    )

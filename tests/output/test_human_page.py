@@ -1,0 +1,173 @@
+"""The page that compares the digital human with the literature: known answers, and the committed page."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.anthropometry import Anthropometry
+from fatigue_planner.human.model import Worker, build_human
+from fatigue_planner.output.reports.human.body import body_height_m, centre_of_mass_height_m, masses_section
+from fatigue_planner.output.reports.human.endurance import endurance_time_s, largest_deviation
+from fatigue_planner.output.reports.human.hand_calculation import standing_masses, static_moments_nm
+from fatigue_planner.output.reports.human.markdown import (
+    deviation_from,
+    noteworthy,
+    number,
+    signed_percent,
+    table,
+    verdict,
+)
+from fatigue_planner.output.reports.human.page import human_page
+from fatigue_planner.output.reports.human.postures import model_torques_nm, postures_section
+from fatigue_planner.output.reports.human.reaction_torques import mid_work, reactions_section
+from fatigue_planner.output.reports.human.references import references
+from fatigue_planner.output.reports.human.strengths import strengths_section
+from fatigue_planner.reactions.reaction import Reaction
+
+PAGE = Path(__file__).parents[2] / "docs" / "human.md"
+NUMBER = re.compile(r"[+−]?\d+(?:\.\d+)?")
+
+
+def page(paper: Experiment, reactions: tuple[Reaction, ...]) -> str:
+    command = "fatplan human report experiments/paper.yaml"
+    return human_page(paper.workers["average_man"], paper.tool.mass_kg, paper.fatigue, reactions, command)
+
+
+def woman(paper: Experiment) -> Worker:
+    return paper.workers["average_man"].model_copy(
+        update={"sex": "female", "height_m": 1.6, "mass_kg": 60, "strength": "average_woman"}
+    )
+
+
+def test_the_committed_page_is_what_the_command_writes(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """The same words; numbers alike to a unit of the last digit printed, as simulations differ by rounding."""
+    now, committed = page(paper, reactions), PAGE.read_text(encoding="utf-8")
+    assert NUMBER.sub("#", now) == NUMBER.sub("#", committed)
+    for ours, theirs in zip(NUMBER.findall(now), NUMBER.findall(committed), strict=True):
+        digits = len(ours.partition(".")[2])
+        assert abs(float(ours.replace("−", "-")) - float(theirs.replace("−", "-"))) <= 1.001 * 10**-digits
+
+
+def test_every_table_names_its_sources_with_their_marks(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    sections = page(paper, reactions).split("\n## ")[2:]
+    for section in sections:
+        assert "| --- |" in section or "---:" in section
+        if not section.startswith("Strength sets"):  # each file of a set names its own
+            assert re.search(r"\n- \*\*\w+\*\* \[[RCM]\] ", section), section[:40]
+
+
+def test_torques_agree_with_a_calculation_by_hand_for_any_body(paper: Experiment) -> None:
+    for worker in (paper.workers["average_man"], woman(paper)):
+        body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+        for posture in references().postures.values():
+            by_hand = static_moments_nm(body, posture.angles_deg, posture.tool_mass_kg)
+            model = model_torques_nm(worker, posture)
+            assert model == pytest.approx(by_hand, abs=1e-9)
+
+
+def test_expected_torques_are_met(paper: Experiment) -> None:
+    """The sums made before the model was built; the wrist's load was nearer there ."""
+    for posture in references().postures.values():
+        model = model_torques_nm(paper.workers["average_man"], posture)
+        for joint, band in posture.bands.items():
+            assert band[0] <= model[joint] <= band[1]
+        for joint, expected in posture.expected.items():
+            if joint != "wrist":
+                assert abs(deviation_from(model[joint], expected)) < 0.1
+
+
+def test_simulated_reactions_load_what_they_should(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    human = build_human(paper.workers["average_man"], 5)
+    for reaction in reactions:
+        middle = mid_work(human, 5, reaction)
+        assert middle.target is not None
+        assert middle.moment_nm["back"] < 250
+        assert middle.moment_nm == pytest.approx(middle.moment_at_rest_nm, rel=0.05)
+        for joint, torque in middle.together_nm.items():
+            assert abs(middle.lifting_nm[joint]) <= torque + 1e-9
+        if middle.target.joint == "back":
+            assert verdict(middle.moment_nm["back"], middle.target.band) == "inside"
+        else:
+            assert abs(deviation_from(middle.moment_nm["shoulder"], middle.target.band)) < 0.2
+
+
+def test_the_moment_of_a_reaction_is_that_of_its_weights(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """Shoulder: weights of arm and tool times their distances, from the bodies' places."""
+    human = build_human(paper.workers["average_man"], 5)
+    middle = mid_work(human, 5, reactions[0])
+    work = reactions[0].motion.phase("work")
+    data = human.model.createData()
+    pin.framesForwardKinematics(human.model, data, reactions[0].motion.configuration[(work.start + work.stop) // 2])
+
+    def place(frame: str, point: np.ndarray) -> np.ndarray:
+        return data.oMf[human.model.getFrameId(frame)].act(point)
+
+    shoulder = place("right_upper_arm", np.zeros(3))
+    loads = [(5.0, place("right_grip", np.zeros(3)))]
+    for name in ("right_upper_arm", "right_forearm", "right_hand"):
+        segment = human.anthropometry.segment(name)
+        loads.append((segment.mass_kg, place(name, segment.com_m)))
+    moment = sum(np.cross(point - shoulder, [0, 0, -9.81 * mass]) for mass, point in loads)
+    assert middle.moment_at_rest_nm["shoulder"] == pytest.approx(float(np.linalg.norm(moment)))
+
+
+def test_other_tasks_have_no_band(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    section = reactions_section(build_human(paper.workers["average_man"], 2), 2, reactions)
+    assert "No reaction is at one of the paper's targets" in section and "OUTSIDE" not in section
+    far = replace(reactions[0].motion, configuration=reactions[0].motion.configuration + np.eye(46)[0])
+    assert mid_work(build_human(paper.workers["average_man"], 5), 5, replace(reactions[0], motion=far)).target is None
+
+
+def test_heights_and_centre_of_mass_by_hand(paper: Experiment) -> None:
+    for worker in (paper.workers["average_man"], woman(paper)):
+        human = build_human(worker)
+        masses = standing_masses(human.anthropometry)
+        assert sum(mass for mass, _ in masses) == pytest.approx(human.mass_kg)
+        height = sum(mass * z for mass, z in masses) / sum(mass for mass, _ in masses)
+        assert centre_of_mass_height_m(human) == pytest.approx(height)
+        assert 0.53 < height / worker.height_m < 0.60
+        assert body_height_m(human, "right_shank") == pytest.approx(0.285 * worker.height_m)
+
+
+def test_endurance_follows_the_general_curve() -> None:
+    """-ln(.5) / (.5 k) = 83.2 s with k = 1 per minute; general curve: 86.5 s (both from the literature's table)."""
+    general = references().endurance["general"]
+    assert endurance_time_s(0.5, 1 / 60) == pytest.approx(83.2, abs=0.05)
+    assert general.time_s(0.5) == pytest.approx(86.5, abs=0.05) and general.time_s(0.3) == pytest.approx(238, abs=0.5)
+    assert abs(largest_deviation(general, 1 / 60)) < 0.1
+    assert abs(largest_deviation(general, 2 / 60)) > 0.4
+    assert largest_deviation(references().endurance["shoulder"], 1 / 60) == pytest.approx(0.79, abs=0.01)
+
+
+def test_strengths_are_measured_in_the_workers_size(paper: Experiment) -> None:
+    anderson = references().strengths["anderson_young"]
+    small = paper.workers["average_man"].model_copy(update={"mass_kg": 73.0, "height_m": 1.741})
+    assert anderson.torque_nm("hip_flexion:negative", small) == pytest.approx(200.7, abs=0.1)
+    assert anderson.torque_nm("knee_flexion:negative", small) == pytest.approx(203.2, abs=0.1)
+    assert anderson.torque_nm("elbow_flexion:positive", small) is None
+    assert "stobbe 97.0 (1.00)" in strengths_section(woman(paper))
+
+
+def test_a_strong_deviation_is_said_in_words(paper: Experiment) -> None:
+    gymnast = strengths_section(paper.workers["average_man"].model_copy(update={"strength": "gymnast"}))
+    assert "lumbar flexion, negative from kamon (+187 %)" in gymnast
+    assert "thigh from dempster (+42 %)" in masses_section(paper.workers["average_man"])
+    assert "wrist (+27 %)" in postures_section(paper.workers["average_man"])
+    assert noteworthy("it", {"a": 0.2, "b": -0.2}) == "Nothing deviates by more than 20 % from it."
+
+
+def test_a_page_of_another_body_says_what_it_is_not(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    text = human_page(woman(paper), 0, paper.fatigue, reactions, "x")
+    assert "a guide only" in text and "a guide only" not in page(paper, reactions)
+
+
+def test_numbers_and_tables() -> None:
+    assert [number(-0.04), number(None), number(-1.25, 2), number(3.0, 0)] == ["0.0", "–", "−1.25", "3"]
+    assert [signed_percent(x) for x in (0.004, -0.004, 0.126, -0.126, None)] == ["0 %", "0 %", "+13 %", "−13 %", "–"]
+    assert deviation_from(9, (10, 20)) == pytest.approx(-0.1) and deviation_from(15, (10, 20)) == 0
+    assert table(["a", "b"], [["x", "1"], ["y", "−2"]]) == "| a | b |\n| --- | ---: |\n| x | 1 |\n| y | −2 |"

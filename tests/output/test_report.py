@@ -1,0 +1,278 @@
+"""The report: a page that stands alone, whose every figure has its data and its words."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import PAPER
+from published import COMMAND, publish
+
+from fatigue_planner.core.errors import ClaimsError
+from fatigue_planner.core.provenance import publish_manifest
+from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.joint_groups import JOINT_GROUPS, highest_fatigue
+from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.output.figures.estimates import estimate_table
+from fatigue_planner.output.figures.fatigue_course import fatigue_table
+from fatigue_planner.output.reports.html.blocks import Code, Picture, Points, Section, Table, Text
+from fatigue_planner.output.reports.html.labels import listing, percent, percent_range, significant
+from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.results.compare import compare, compare_text
+from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.report import report
+from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
+from fatigue_planner.output.reports.results.sections.settings import origins
+from fatigue_planner.output.reports.study.finished import study_of
+from fatigue_planner.reactions.reaction import Reaction, digests
+from fatigue_planner.study.benchmark.results import courses, load_results
+from fatigue_planner.study.benchmark.selection import Selection, cells, selected
+
+
+class Page(HTMLParser):
+    """What a browser would look for in a page, and whether its tags fit together."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in {"meta", "link", "img", "br"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+@pytest.fixture(scope="module")
+def small(paper: Experiment) -> Experiment:
+    """Two policies, five cycles, four runs; and no claims, which are about the whole grid."""
+    return selected(paper, Selection([5], None, ["alternating", "greedy"], 4, None, None))
+
+
+@pytest.fixture(scope="module")
+def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("results")
+    publish(small, reactions, folder)
+    return folder
+
+
+def material(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> Material:
+    tables = load_results(experiment, folder, COMMAND)
+    grid = cells(experiment, cycle_profiles(experiment, reactions))
+    return Material(experiment, reactions, grid, tables, courses(grid, tables, folder))
+
+
+@pytest.fixture(scope="module")
+def made(small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path_factory) -> tuple[str, Gallery]:
+    file = tmp_path_factory.mktemp("experiment") / "mine.yaml"
+    file.write_text(PAPER.read_text())
+    gallery = Gallery(folder)
+    return report(
+        material(small, reactions, folder), gallery, file, ["fatplan simulate", "fatplan report"], None
+    ), gallery
+
+
+def test_the_page_stands_alone(made: tuple[str, Gallery]) -> None:
+    text, _ = made
+    read = Page(text)
+    assert not read.open and not [tag for tag, _ in read.tags if tag in {"script", "iframe", "object"}]
+    loaded = [attributes[key] for tag, attributes in read.tags for key in ("src",) if attributes.get(key)]
+    assert loaded and all(str(source).startswith("data:image/svg+xml;base64,") for source in loaded)
+    links = [str(attributes["href"]) for _, attributes in read.tags if "href" in attributes]
+    assert all(link.startswith(("#", "data:")) or "/" not in link for link in links)
+    assert "http" not in re.sub(r"base64,[\w+/=]+", "", text)
+
+
+def test_every_figure_has_its_data_and_its_words(made: tuple[str, Gallery]) -> None:
+    text, gallery = made
+    read = Page(text)
+    images = [attributes for tag, attributes in read.tags if tag == "img"]
+    assert len(images) >= 7
+    assert all(len(str(image["alt"])) > 40 for image in images)
+    files = {str(attributes["href"]) for _, attributes in read.tags if str(attributes.get("href", "")).endswith(".csv")}
+    for file in files:
+        assert (gallery.folder / file).stat().st_size > 0, file
+    assert {path.name for path in gallery.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
+
+
+@pytest.mark.slow
+def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery], tmp_path: Path
+) -> None:
+    before = {path.name: path.read_bytes() for path in folder.glob("*.csv")}
+    file = tmp_path / "mine.yaml"
+    file.write_text(PAPER.read_text())
+    again = report(
+        material(small, reactions, folder), Gallery(folder), file, ["fatplan simulate", "fatplan report"], None
+    )
+    assert again == made[0]
+    assert {path.name: path.read_bytes() for path in folder.glob("*.csv")} == before
+
+
+@pytest.mark.slow
+def test_the_page_says_what_the_tables_say(
+    paper: Experiment, small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery]
+) -> None:
+    """Other tables, other numbers: those of another seed."""
+    other = selected(small, Selection(None, None, None, None, None, 1))
+    elsewhere = folder / "other"
+    publish(other, reactions, elsewhere)
+    text = report(
+        material(other, reactions, elsewhere), Gallery(elsewhere), PAPER.with_name("planners.yaml"), ["x"], None
+    )
+    assert "seed 1." in text and "seed 2023." in made[0]
+    trials = pd.read_csv(folder / "trials.csv")
+    mean = trials[trials["policy"] == "alternating"].groupby("condition")["discounted_return"].mean()["single_novice"]
+    assert f"({significant(mean)})" in made[0] and f"({significant(mean)})" not in text
+
+
+@pytest.mark.slow
+def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path: Path
+) -> None:
+    file, claims = tmp_path / "mine.yaml", tmp_path / "mine_claims.yaml"
+    file.write_text(PAPER.read_text())
+    claims.write_text(
+        "experiment: mine.yaml\nclaims:\n  one:\n    place: here\n    quote: greedy beats alternating\n"
+        "    conditions: [single_novice]\n    n_cycles: [5]\n    relation: better_mean\n"
+        "    policies: [greedy]\n    others: [alternating]\n"
+    )
+    text = report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
+    assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
+
+
+def test_claims_about_another_experiment_are_refused(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path: Path
+) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(PAPER.read_text())
+    (tmp_path / "other.yaml").write_text(PAPER.read_text())
+    text = PAPER.with_name("paper_claims.yaml").read_text().replace("experiment: paper.yaml", "experiment: other.yaml")
+    (tmp_path / "mine_claims.yaml").write_text(text)
+    with pytest.raises(ClaimsError, match=r"experiment: is .*other.yaml; should be mine.yaml"):
+        report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
+
+
+def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    one = material(small, reactions, folder)
+    table = estimate_table(one.contrasts, one.results.trials, "greedy").set_index("condition")
+    cost = -one.results.trials.groupby(["condition", "policy"])["discounted_return"].mean()
+    for condition in small.benchmark.conditions:
+        expected = cost[condition, "alternating"] / cost[condition, "greedy"] - 1
+        assert table.loc[condition, "extra_cost_share"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, tmp_path: Path) -> None:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    (folder / "lessons.txt").write_text("Planning pays.\n")
+    headline = {"planner": "greedy", "condition": "single_novice", "n_cycles": 5}
+    note = {
+        "study": {"name": "study", "baselines": ["random"], "headline": headline}, "experiment": paper.plain(),
+        "seed": 1, "figures": [], "reactions": digests(reaction_requests(paper)),
+    }  # fmt: skip
+    publish_manifest(folder, "sensitivity", note, [folder / "lessons.txt"])
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "manifest.json").write_text('{"sensitivity": {}}')
+    found = study_of(paper, tmp_path)
+    assert found is not None and found.lessons == ["Planning pays."]
+    assert study_of(paper.model_copy(update={"discount": 0.9}), tmp_path) is None
+    publish_manifest(folder, "sensitivity", note | {"reactions": {"a": "other"}}, [folder / "lessons.txt"])
+    assert study_of(paper, tmp_path) is None
+
+
+def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
+    text = compare_text(compare(folder, folder))
+    assert text.count("the same in every run") == 6 and "The settings are the same." in text and "n/a" not in text
+
+
+def test_blocks_are_escaped_and_numbered() -> None:
+    blocks = [
+        Text("a < b & `code <i>`"), Points(["one"]), Code("x > y"), Picture("<svg/>", "caption", 'say "so"', "a.csv"),
+        Table("numbers", ["name", "value"], [["<b>", "−1"], ["c", "2"]], "t.csv"), Table("more", ["x"], [["–"]]),
+    ]  # fmt: skip
+    text = page("A & B", "sub", [], [Section("One & only", blocks)])
+    assert not Page(text).open
+    for piece in (
+        "<title>A &amp; B</title>", "a &lt; b &amp; <code>code &lt;i&gt;</code>", "x &gt; y", "&#34;so&#34;",
+        "<b>Figure 1.</b>", "<b>Table 1.</b>", "<b>Table 2.</b>",
+        '<td class="right">−1</td>', '<td class="left">&lt;b&gt;',
+        'href="#one---only"',
+    ):  # fmt: skip
+        assert piece in text, piece
+
+
+def test_words() -> None:
+    assert (significant(-0.00123456), significant(float("nan"))) == ("−0.00123", "n/a")
+    assert (percent(0.12345, 1), percent(-0.5, 0), percent(float("nan"))) == ("12.3\u00a0%", "−50\u00a0%", "n/a")
+    assert percent_range(-0.01, 0.02, 0) == "−1 to 2\u00a0%"
+    assert [listing(items) for items in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
+
+
+def test_joint_groups_hold_every_entry_once() -> None:
+    places = np.concatenate(list(JOINT_GROUPS.values()))
+    assert sorted(places) == list(range(len(ENTRIES)))
+    assert {"back", "neck", "right_wrist", "left_knee"} <= set(JOINT_GROUPS)
+    fatigue = np.zeros((3, 78))
+    fatigue[1, ENTRIES.index("thoracic_flexion:negative")] = 0.4
+    assert highest_fatigue(fatigue)["back"].tolist() == [0, 0.4, 0] and not highest_fatigue(fatigue)["neck"].any()
+
+
+def test_fatigue_table_by_hand() -> None:
+    fatigue = np.zeros((2, 3, 78))
+    fatigue[0, 2, ENTRIES.index("right_wrist_deviation:positive")] = 1.0
+    table = fatigue_table({("c", "p"): fatigue})
+    wrist = table[table["joint_group"] == "right_wrist"]
+    assert list(wrist["cycle"]) == [1, 2, 3] and list(wrist["highest_fatigue"]) == [0, 0, 0.5]
+
+
+def test_cycle_maps_settle_where_repetition_leads(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path
+) -> None:
+    one = material(small, reactions, folder)
+    table = cycle_map_table(one)
+    profiles = cycle_profiles(small, reactions)
+    fatigue, (name, profile) = np.zeros(78), next(iter(profiles.items()))
+    for _ in range(3000):
+        fatigue = profile.cycle_map().apply(fatigue)
+    own = table[(table["action"] == name.action) & (table["preference"] == name.preference)]
+    for row in own.itertuples():
+        assert fatigue[ENTRIES.index(str(row.entry))] == pytest.approx(row.fatigue_if_repeated, abs=1e-9)
+
+
+def test_origins_of_settings() -> None:
+    text = (
+        "tool:\n  mass_kg: 5   # [paper IV-A] in the hand\n  held: cycle   # open: or work\n"
+        "# open: a comment alone\nlist:\n  - {a: 1}\nname: x # nothing\nfatigue:  # [paper IV-B]\n"
+    )
+    found = [(one.key, one.value, one.place, one.comment) for one in origins(text)]
+    assert found == [
+        ("tool.mass_kg", "5", "IV-A", "in the hand"), ("tool.held", "cycle", None, "or work"),
+        ("fatigue", "", "IV-B", ""),
+    ]  # fmt: skip
+
+
+def test_two_folders_side_by_side(small: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+    fewer = selected(small, Selection(None, ["single_novice"], None, 3, None, None))
+    heavier = fewer.model_copy(update={"discount": 0.9})
+    publish(small, reactions, tmp_path / "a")
+    publish(fewer, reactions, tmp_path / "b")
+    publish(heavier, reactions, tmp_path / "c")
+    same = compare(tmp_path / "a", tmp_path / "b")
+    assert set(same.contrasts["difference"]) == {0.0} and list(same.contrasts["trials"]) == [3, 3]
+    assert same.only[1] == [] and "single_expert/5/greedy" in same.only[0]
+    other = compare(tmp_path / "b", tmp_path / "c")
+    assert other.settings == {"discount": ("0.95", "0.9")} and (other.contrasts["difference"] < 0).all()
+    first = pd.read_csv(tmp_path / "b" / "trials.csv")
+    assert other.contrasts["first_mean"].iloc[0] == pytest.approx(
+        first[first["policy"] == "alternating"]["discounted_return"].mean()
+    )
+    assert "discount: 0.95, 0.9" in compare_text(other) and "The versions are the same." in compare_text(other)

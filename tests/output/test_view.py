@@ -1,0 +1,232 @@
+"""`fatplan view`: what the page holds, where things stand in it, the strip of poses, and what is refused."""
+
+import base64
+import io
+import os
+import re
+import subprocess
+import sys
+import threading
+from collections import defaultdict
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pinocchio as pin
+import pytest
+import zstandard
+from commands import FATPLAN, refused
+from conftest import PAPER
+from PIL import Image
+
+from fatigue_planner.cli.view import view
+from fatigue_planner.core.errors import MissingReactionsError, SelectionError
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.model import GRAVITY_MPS2
+from fatigue_planner.human.skeleton import BODIES, JOINTS
+from fatigue_planner.output.viewer.filmstrip import strip
+from fatigue_planner.output.viewer.motion_clip import Performance, performance_of
+from fatigue_planner.output.viewer.page import FRAMES_PER_S, page
+from fatigue_planner.output.viewer.scene import (
+    METRES_PER_NEWTON,
+    METRES_PER_NEWTON_ON_A_HAND,
+    force_arrows,
+    load_colour,
+)
+from fatigue_planner.output.viewer.skin import make_skin
+from fatigue_planner.reactions.reaction import Reaction
+
+SHOWN = "average_man/low/back"
+
+
+@pytest.fixture(scope="module")
+def performances(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Performance]:
+    return [performance_of(*pair) for pair in zip(reaction_requests(paper), reactions, strict=True)]
+
+
+@pytest.fixture(scope="module")
+def shown(performances: list[Performance]) -> Performance:
+    return next(performance for performance in performances if performance.title == SHOWN)
+
+
+@pytest.fixture(scope="module")
+def html(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The page of one reaction as the command writes and opens it; the browser notes what it is given."""
+    folder = tmp_path_factory.mktemp("view")
+    browser = folder / "browser.sh"
+    browser.write_text(f'#!/bin/sh\necho "$1" > "{folder}/opened"\n')
+    browser.chmod(0o755)
+    command = [*FATPLAN, "view", str(PAPER), "--cache", str(cache_folder), "--reaction", SHOWN]
+    environment = os.environ | {"BROWSER": f"{browser} %s", "PYTHONPATH": str(PAPER.parents[1])}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+    path = folder / "results" / "paper" / "view.html"
+    assert done.stdout.startswith(f"results/paper/view.html: {SHOWN}; ") and len(done.stdout.splitlines()) == 1
+    assert done.stderr == "Recording 1 reaction, some 3 s each ...\n"
+    assert (folder / "opened").read_text().strip() == path.as_uri()
+    return path.read_text()
+
+
+@pytest.fixture(scope="module")
+def messages(html: str) -> list[tuple[float, dict[str, Any]]]:
+    """What the page's recording tells the viewer, with times in s."""
+    (data,) = re.findall(r'__VISER_EMBED_DATA__="([^"]+)"', html)
+    stream = io.BytesIO(base64.b64decode(data)[8:])
+    raw = zstandard.ZstdDecompressor().stream_reader(stream).read()
+    length = int.from_bytes(raw[:8], "little")
+    return [(time, message) for time, message in msgspec.msgpack.decode(raw[8 : 8 + length])["messages"]]
+
+
+def test_the_page_needs_nothing_else(html: str) -> None:
+    loads = re.findall(r"""(?:src|href|url|import)\s*[=(]\s*["']?((?:https?:)?//[^"')\s>]+)""", html)
+    assert not loads
+    assert len(html) < 2_500_000
+    assert 'id="legend"' in html and "share of strength" in html
+
+
+@pytest.mark.slow
+def test_the_page_is_the_same_every_time(html: str, shown: Performance) -> None:
+    before = set(threading.enumerate())
+    assert page([shown]) == html
+    assert set(threading.enumerate()) <= before  # nor is anything left running
+
+
+def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+    names = {message.get("name") for _, message in messages}
+    assert {"/ground", "/people/0", "/tools/right", "/objects/0", "/forces/right_foot", "/soles", "/label"} <= names
+    assert {f"/joints/{joint.name}" for joint in JOINTS} <= names
+    labels = [message["updates"]["text"] for _, message in messages if "text" in message.get("updates", {})]
+    assert labels[0] == f"{SHOWN}: reach, 0.0 s" and labels[-1].startswith(f"{SHOWN}: return, 16.0 s")
+    assert max(time for time, _ in messages) == pytest.approx(shown.duration_s, abs=2 / FRAMES_PER_S)
+
+
+def test_the_centre_of_mass_is_pinocchios(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+    told = positions_of(messages, "/centre_of_mass/centre")
+    model = shown.bodies[0].model
+    for time, position in told[:: len(told) // 20]:
+        tick = shown.tick(time)
+        expected = pin.centerOfMass(model, model.createData(), shown.motion.configuration[tick])
+        np.testing.assert_allclose(position, expected, atol=3e-4)
+
+
+def test_bones_follow_the_motion(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+    told: dict[int, list[tuple[float, Any]]] = defaultdict(list)
+    for time, message in messages:
+        if message["type"] == "SetBonePositionMessage":
+            told[message["bone_index"]].append((time, message["position"]))
+    hand = told[BODIES.index("right_hand")]
+    model, data = shown.bodies[0].model, shown.bodies[0].model.createData()
+    for time, position in hand[:: len(hand) // 20]:
+        pin.framesForwardKinematics(model, data, shown.motion.configuration[shown.tick(time)])
+        np.testing.assert_allclose(position, data.oMf[model.getFrameId("right_hand")].translation, atol=3e-4)
+
+
+def positions_of(messages: list[tuple[float, dict[str, Any]]], name: str) -> list[tuple[float, Any]]:
+    return [(t, m["position"]) for t, m in messages if m["type"] == "SetPositionMessage" and m["name"] == name]
+
+
+def test_forces_carry_the_body(shown: Performance) -> None:
+    """At rest they add up to the weight, point up, act on the soles and balance about the centre of mass."""
+    work = shown.motion.phase("work")
+    instant = shown.instant(work.stop - 1)
+    total = sum(force.force_n for force in instant.forces)
+    np.testing.assert_allclose(total, [0, 0, shown.bodies[0].mass_kg * GRAVITY_MPS2], atol=2.0)
+    moment = sum(np.cross(force.point_m - instant.centre_of_mass_m, force.force_n) for force in instant.forces)
+    np.testing.assert_allclose(moment[:2], 0, atol=2.0)
+    arrows = force_arrows(instant)
+    assert arrows.shape == (4, 2, 3) and (np.abs(arrows[:2, 0, 2]) < 1e-3).all()
+    assert arrows[0, 0, 1] < 0 < arrows[1, 0, 1]  # right foot, left foot
+    np.testing.assert_allclose(arrows[:2, 1, 2].sum() / METRES_PER_NEWTON, total[2], atol=1)
+
+
+def test_shares_and_colours(shown: Performance, paper: Experiment) -> None:
+    instant = shown.instant(shown.tick(8.0))
+    assert set(instant.joint_share) == {joint.name for joint in JOINTS}
+    assert max(instant.joint_share, key=instant.joint_share.__getitem__) in {"lumbar", "right_wrist", "right_hip"}
+    assert load_colour(0.0) == (255, 255, 204) and load_colour(0.6) == load_colour(2.0) == (128, 0, 38)
+    np.testing.assert_allclose(shown.objects[0].position_m, [0.4, -0.15, 0.5])
+
+
+def test_the_tool_is_shown_while_held(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """Held only for the work, it is no part of the centre of mass before; weightless, it is not there."""
+    request = reaction_requests(paper)[0]
+    working = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"held": "work"})))
+    performance = performance_of(working, reactions[0])
+    assert [len(performance.instant(performance.tick(time)).tools) for time in (1.0, 8.0, 15.0)] == [0, 1, 0]
+    always = performance_of(request, reactions[0])
+    assert always.instant(0).centre_of_mass_m[2] < performance.instant(0).centre_of_mass_m[2]
+    none = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"mass_kg": 0.0})))
+    assert not performance_of(none, reactions[0]).instant(500).tools
+
+
+def test_the_skin_is_closed_and_of_the_bodys_size(shown: Performance) -> None:
+    skin = make_skin(shown.human)
+    edges = np.sort(np.concatenate([skin.faces[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))]), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
+    corners = skin.vertices[skin.faces]
+    volume = float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum() / 6)
+    assert 1000 * volume == pytest.approx(75, rel=0.15)  # litres; a body is about as dense as water
+    np.testing.assert_allclose(skin.weights.sum(axis=1), 1)
+    assert (np.count_nonzero(skin.weights, axis=1) <= 4).all()
+    height = np.ptp(skin.vertices[:, 2])
+    assert height == pytest.approx(shown.human.anthropometry.stature_m, rel=0.04)  # the legs stand apart
+
+
+def test_the_strip_has_a_panel_per_reaction_and_time(performances: list[Performance]) -> None:
+    figure = strip(performances[:2], [0.0, 8.0, 16.0])
+    panels = [axes for axes in figure.axes if axes.get_title()]
+    assert [axes.get_title() for axes in panels] == ["reach, 0 s", "work, 8 s", "return, 16 s"] * 2
+    assert len([axes for axes in strip(performances, []).axes if axes.get_title()]) == 16
+
+
+def test_the_command_saves_a_png(cache_folder: Path, tmp_path: Path) -> None:
+    paths = [tmp_path / "poses.png", tmp_path / "again.png"]
+    for path in paths:
+        view(PAPER, cache_folder, ["average_man/high/arm"], path, [3.0, 8.0])
+    with Image.open(paths[0]) as image:
+        assert 600 < image.width < 800 and 550 < image.height < 750  # two panels, a colour bar
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"save": Path("view.pdf")}, "--save view.pdf: the name must end in .html or .png"),
+        ({"save": Path("a.png"), "at": [17.0]}, "--at 17: outside the cycle, which lasts from 0 to 16 s."),
+        ({"save": Path("a.png"), "at": [float("nan")]}, "--at nan: outside the cycle"),
+        ({"at": [3.0]}, "--at 3: only for the poses of a .png"),
+    ],
+)
+def test_what_is_refused(cache_folder: Path, options: dict[str, Any], expected: str) -> None:
+    with pytest.raises(SelectionError, match=re.escape(expected)):
+        view(PAPER, cache_folder, **options)
+
+
+def test_an_unknown_reaction_is_exit_code_2(cache_folder: Path) -> None:
+    message = refused(2, "view", PAPER, "--cache", cache_folder, "--reaction", "high/nose")
+    assert (
+        "--reaction high/nose: not in the experiment; available: average_man/high/arm, average_man/high/back" in message
+    )
+
+
+def test_without_reactions_it_says_what_to_run(tmp_path: Path) -> None:
+    with pytest.raises(MissingReactionsError, match=r"Run `fatplan simulate .* first"):
+        view(PAPER, tmp_path)
+
+
+def test_the_page_is_loaded_only_when_asked_for() -> None:
+    code = "import sys; import fatigue_planner.cli.view; sys.exit('viser' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_times_of_the_recording_only_grow(messages: list[tuple[float, dict[str, Any]]]) -> None:
+    assert all(before <= after for (before, _), (after, _) in pairwise(messages))
+
+
+def test_forces_on_the_hands_are_drawn_larger(shown: Performance) -> None:
+    pushed = replace(shown, motion=replace(shown.motion, hand_force_n=np.full_like(shown.motion.hand_force_n, 10.0)))
+    arrows = force_arrows(pushed.instant(5))
+    np.testing.assert_allclose(arrows[2:, 1] - arrows[2:, 0], METRES_PER_NEWTON_ON_A_HAND * 10, atol=1e-3)

@@ -1,0 +1,361 @@
+"""The lower bound on the cost: below the optimum by enumeration, close to it, never beaten, and never wrong."""
+
+import math
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+from small_problems import choice_probabilities
+
+from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.planners.bounds import sub_solution
+from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, cost_lower_bound
+from fatigue_planner.planners.bounds.history_classes import HistoryClasses
+from fatigue_planner.planners.bounds.lookahead import look_ahead
+from fatigue_planner.planners.bounds.quadratics import Quadratics
+from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
+from fatigue_planner.planners.bounds.scenario_bound import bound_of
+from fatigue_planner.planners.bounds.task import hidden_state, known_state
+from fatigue_planner.planners.registry import build_policy
+from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
+from fatigue_planner.pomdp.beliefs.registry import ExactSettings
+from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
+from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.study.benchmark.random_numbers import draw_world
+from fatigue_planner.study.benchmark.trial import run_trial
+
+EXPERTISE = [0.0, 2.0, 30.0, math.inf]
+SMALL = {"classes": 16, "leaves": 1}  # no more is enumerated than must be
+
+
+@dataclass(frozen=True)
+class Model:
+    """The fatigue problem in plain NumPy, so that the optimum does not rest on the package's kernels."""
+
+    gain: np.ndarray
+    offset: np.ndarray
+    expertise: float
+    discount: float = 0.9
+    entries: int = 8
+
+    def after(self, state: np.ndarray, action: int) -> np.ndarray:
+        return self.gain[action] * state + self.offset[action]
+
+    def cost(self, state: np.ndarray) -> np.ndarray:
+        return np.square(state).sum(axis=-1) / self.entries
+
+    def costs(self, state: np.ndarray, action: int) -> np.ndarray:
+        return self.cost(self.after(state, action))
+
+    def choice(self, state: np.ndarray, action: int) -> np.ndarray:
+        return choice_probabilities(self.costs(state, action), self.expertise)
+
+
+@dataclass(frozen=True)
+class Start:
+    """Weighted states."""
+
+    states: np.ndarray
+    weights: np.ndarray
+
+
+def small_model(expertise: float, actions: int = 2, preferences: int = 2, entries: int = 4, seed: int = 5) -> Model:
+    """Actions that tire different entries, as in the paper; made up."""
+    rng = np.random.default_rng(seed)
+    shape = (actions, preferences, 4)
+    tired = rng.random(shape) < 0.6
+    gain = np.where(tired, rng.uniform(0.6, 0.9, shape), 0.5)
+    offset = np.where(tired, rng.uniform(0.2, 0.9, shape) * (1 - gain), 0)
+    return Model(gain, offset, expertise)
+
+
+SINGLE = Start(np.array([[0.0, 0.3, 0.0, 0.1]]), np.array([1.0]))
+SEVERAL = Start(np.array([[0.0, 0.0, 0.0, 0.1], [0.8, 0.0, 0.0, 0.1], [0.0, 0.6, 0.9, 0.1]]), np.array([0.2, 0.3, 0.5]))
+BELIEFS = {"single": SINGLE, "several": SEVERAL}
+
+
+def bound(model: Model, belief: Start, n_cycles: int, **effort: int) -> CostBound:
+    return cost_lower_bound(
+        model.gain, model.offset, model.expertise, belief.states, belief.weights, model.discount, model.entries,
+        n_cycles, **effort,
+    )  # fmt: skip
+
+
+def optimum(model: Model, belief: Start, n_cycles: int) -> float:
+    """The least expected cost, over every history of actions and observed reactions."""
+    if n_cycles == 0:
+        return 0.0
+    costs = []
+    for action in range(len(model.gain)):
+        choice = np.array([model.choice(state, action) for state in belief.states])
+        total = float(belief.weights @ [p @ model.costs(s, action) for p, s in zip(choice, belief.states, strict=True)])
+        for seen in range(model.gain.shape[1]):
+            weights = belief.weights * choice[:, seen]
+            if weights.sum() > 0:
+                moved = np.array([model.after(state, action)[seen] for state in belief.states])
+                following = Start(moved[weights > 0], weights[weights > 0] / weights.sum())
+                total += model.discount * weights.sum() * optimum(model, following, n_cycles - 1)
+        costs.append(total)
+    return min(costs)
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+@pytest.mark.parametrize("start", BELIEFS)
+def test_it_is_below_the_optimum_and_close(expertise: float, start: str) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    best = optimum(model, belief, 6)
+    found = bound(model, belief, 6, **SMALL)
+    assert not found.exact and found.exact_cycles == found.memory == 2
+    assert found.state_revealed == (start == "several" and expertise > 0)
+    share = 0.98 if expertise == 0 else 0.8 if found.state_revealed else 0.9
+    assert share * best < found.cost <= best
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("expertise", [0.0, 5.0, math.inf])
+def test_it_is_below_the_optimum_of_any_three_by_three(seed: int, expertise: float) -> None:
+    model = small_model(expertise, actions=3, preferences=3, seed=seed)
+    best = optimum(model, SINGLE, 4)
+    costs = [bound(model, SINGLE, 4, classes=classes, leaves=1).cost for classes in (9, 81)]
+    assert 0 < costs[0] <= costs[1] <= best
+    assert costs[1] > 0.9 * best or expertise > 0
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+@pytest.mark.parametrize("start", BELIEFS)
+def test_it_is_the_optimum_where_every_history_fits(expertise: float, start: str) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    found = bound(model, belief, 5)
+    assert found.exact and not found.state_revealed and found.exact_cycles == 5
+    assert found.cost == pytest.approx(optimum(model, belief, 5), rel=2 * ROUNDING)
+
+
+def test_a_novice_never_reveals_a_hidden_state() -> None:
+    """The bound stays above what policies that know the state can reach."""
+    model = small_model(0)
+    found = bound(model, SEVERAL, 6, **SMALL)
+    assert not found.state_revealed and not found.exact
+    known = [optimum(model, Start(state[None], np.ones(1)), 6) for state in SEVERAL.states]
+    assert SEVERAL.weights @ known < 0.95 * found.cost
+
+
+@pytest.mark.parametrize("start", BELIEFS)
+def test_with_one_action_the_novices_cost_is_exact(start: str) -> None:
+    model = small_model(0, actions=1)
+    found = bound(model, BELIEFS[start], 10, classes=4, leaves=1)
+    assert found.exact_cycles == 2
+    assert found.cost == pytest.approx(optimum(model, BELIEFS[start], 10), rel=1e-6)
+
+
+def test_one_reaction_only() -> None:
+    found = bound(small_model(0, actions=1, preferences=1), SINGLE, 30)
+    assert found.exact and found.exact_cycles == 30
+
+
+@pytest.mark.parametrize("expertise", [0.0, 10.0, math.inf])
+def test_more_cycles_cost_more_and_more_effort_tightens(expertise: float) -> None:
+    model = small_model(expertise)
+    costs = [bound(model, SINGLE, n, **SMALL).cost for n in range(1, 15)]
+    assert (np.diff(costs) > 0).all()
+    assert costs[11] <= bound(model, SINGLE, 12, classes=64, leaves=1000).cost
+
+
+def test_a_worker_who_is_never_tired_costs_nothing() -> None:
+    model = small_model(0)
+    maps = np.zeros_like(model.offset)
+    found = cost_lower_bound(model.gain, maps, 0, np.zeros((1, 4)), np.ones(1), 0.9, 8, 20)
+    assert found.cost == 0
+
+
+def test_negative_gains_are_refused() -> None:
+    model = small_model(0)
+    with pytest.raises(ValueError, match="gains"):
+        cost_lower_bound(-model.gain, model.offset, 0, SINGLE.states, SINGLE.weights, 0.9, 8, 5)
+
+
+@pytest.mark.parametrize("damage", [1e-6, 1e-3, 0.1, 10.0])
+@pytest.mark.parametrize("expertise", [0.0, 10.0, math.inf])
+def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
+    damage: float, expertise: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = small_model(expertise)
+    best, whole = optimum(model, SINGLE, 6), bound(model, SINGLE, 6, **SMALL).cost
+    shape = sub_solution.bent_mean
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+
+        def damaged(functions: Quadratics, share: np.ndarray, spread: np.ndarray) -> Quadratics:
+            sound = shape(functions, share, spread)
+            noise = damage * rng.normal(size=(3, *sound.slope.shape))  # noqa: B023
+            return Quadratics(sound.value + noise[2, :, 0], sound.slope + noise[0], sound.curvature + noise[1])
+
+        monkeypatch.setattr(sub_solution, "bent_mean", damaged)
+        found = bound(model, SINGLE, 6, **SMALL).cost
+        assert found <= best
+        if damage == 10:
+            assert found < whole
+
+
+def test_the_boxes_hold_every_state_of_their_class() -> None:
+    model = small_model(0)
+    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    tree = look_ahead([task], np.ones(1), 6, 2, 10_000)
+    assert len(tree.states[:, 0]) == 4**6
+    states = HistoryClasses(task, 2, 6).states(6)
+    displacement = tree.states[:, 0] - states.typical[tree.classes]
+    assert (displacement >= states.low[tree.classes] - 1e-15).all()
+    assert (displacement <= states.high[tree.classes] + 1e-15).all()
+    for m in range(16):
+        own = tree.states[:, 0][tree.classes == m]
+        np.testing.assert_allclose(own.mean(axis=0), states.typical[m], rtol=1e-12)
+        np.testing.assert_allclose(own.std(axis=0), states.spread[m], atol=1e-8)
+
+
+def test_a_hidden_state_merges_the_entries_that_start_alike() -> None:
+    model = small_model(0)
+    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    assert sorted(task.start) == [0, 0, 0, 0.1, 0.6, 0.8, 0.9]
+    costs = [weight * model.cost(state) for weight, state in zip(SEVERAL.weights, SEVERAL.states, strict=True)]
+    assert np.square(task.start) @ task.cost_weight == pytest.approx(sum(costs))
+
+
+@pytest.mark.parametrize("preferences", [2, 3])
+@pytest.mark.parametrize("expertise", [1e-3, 1.0, 100.0, 1e300, math.inf])
+def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, preferences: int) -> None:
+    """No linear function of the probabilities is lower at a state of the box than at every extreme."""
+    rng = np.random.default_rng(0)
+    model = small_model(expertise, preferences=preferences)
+    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    states = HistoryClasses(task, 1, 5).states(3)
+    extremes = reaction_extremes(task, states)
+    np.testing.assert_allclose(extremes.sum(axis=-1), 1, rtol=1e-12)
+    assert (extremes >= 0).all()
+    value = rng.normal(size=(20, preferences))
+    for m, _ in product(range(task.branches), range(50)):
+        state = states.typical[m] + rng.uniform(states.low[m], states.high[m])
+        for action in range(2):
+            chosen = value @ model.choice(state, action)
+            assert (chosen >= (extremes[m, action] @ value.T).min(axis=0) - 1e-12).all()
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+def test_the_choice_is_that_of_the_model(expertise: float) -> None:
+    model = small_model(0)
+    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    costs = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.1], [0.0, 0.0, 0.0]])
+    expected = [choice_probabilities(row, expertise) for row in costs]
+    np.testing.assert_allclose(task.choice(costs), expected, rtol=1e-14)
+
+
+def test_the_minimum_over_a_box() -> None:
+    rng = np.random.default_rng(0)
+    functions = Quadratics(rng.normal(size=50), rng.normal(size=(50, 3)), rng.normal(size=(50, 3)))
+    functions.curvature[:5] = 0
+    low, high = -rng.random((50, 3)), rng.random((50, 3))
+    low[5], high[5] = 0, 0
+    least = functions.minimum(low, high)
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 41)] * 3), axis=-1).reshape(-1, 1, 3)
+    sampled = functions.at(low + grid * (high - low)).min(axis=0)
+    assert (least <= sampled + 1e-12).all()
+    np.testing.assert_allclose(least, sampled, atol=5e-3)
+
+
+# One chance in a million that any of the comparisons with chance of this file fails although all is well.
+FALSE_ALARM = 1e-6
+
+
+def allowance(cost: np.ndarray, comparisons: int) -> float:
+    """By how much a mean may be off by chance, at that false-alarm rate over all comparisons."""
+    return float(student.isf(FALSE_ALARM / comparisons, len(cost) - 1) * cost.std(ddof=1) / math.sqrt(len(cost)))
+
+
+def assert_no_policy_beats(found: CostBound, costs: dict[str, np.ndarray], comparisons: int) -> None:
+    """Mean costs above the bound, by Student's t where chance plays a part, exactly where it does not."""
+    for name, cost in costs.items():
+        assert cost.mean() + allowance(cost, comparisons) >= found.cost, name
+        if np.ptp(cost) == 0:
+            assert cost[0] >= found.cost, name
+
+
+def situation_of(model: Model, belief: Start) -> Situation:
+    """The package's own model of the same problem."""
+    rest = model.entries - model.gain.shape[2]
+    zeros, ones = np.zeros((1, model.entries)), np.ones(model.entries)
+    loaded = CycleProfile(np.pad(np.ones((1, 4)), [(0, 0), (0, rest)]), zeros, zeros, ones, ones, ones)
+    names = "abc"[: len(model.gain)], "xyz"[: model.gain.shape[1]]
+    worker = one_worker(model.expertise)
+    blank = build_pomdp(*names, dict.fromkeys(product(*names), loaded), zeros, worker, model.discount)
+    wide = [np.pad(table, [(0, 0), (0, 0), (0, rest)])[None] for table in (model.gain, model.offset)]
+    pomdp = blank.with_maps(*wide, worker)
+    states = np.array([pomdp.state(np.pad(state, (0, rest))) for state in belief.states])
+    return Situation(pomdp, states, belief.weights, None, ExactSettings(kind="exact"))
+
+
+def policy_costs(
+    paper: Experiment, one: Situation, condition: str, n_cycles: int, trials: int, descents: int
+) -> dict[str, np.ndarray]:
+    """Cost of every policy of the paper, and of two lookaheads, in the same trials."""
+    costs = {}
+    policies: dict[str, PolicySettings] = {
+        name: settings.model_copy(update={"descents": descents}) if settings.kind == "pomcp" else settings
+        for name, settings in paper.benchmark.policies.items()
+    }
+    policies["lookahead"] = LookaheadSettings(kind="lookahead", depth=3)
+    policies["plans"] = LookaheadSettings(kind="lookahead", depth=2, leaf_value="bound")
+    for name, settings in policies.items():
+        results = [
+            run_trial(
+                one,
+                build_policy(settings),
+                "prior",
+                n_cycles,
+                draw_world(7, condition, n_cycles, trial),
+                np.random.default_rng(trial),
+            )
+            for trial in range(trials)
+        ]
+        costs[name] = -np.array([result.discounted_return for result in results])
+    return costs
+
+
+@pytest.mark.parametrize("expertise", [0.0, 30.0, math.inf])
+@pytest.mark.parametrize("start", BELIEFS)
+def test_no_policy_beats_it(expertise: float, start: str, paper: Experiment) -> None:
+    model, belief = small_model(expertise), BELIEFS[start]
+    costs = policy_costs(paper, situation_of(model, belief), start, 12, trials=40, descents=50)
+    found = bound(model, belief, 12, classes=64, leaves=1000)
+    assert_no_policy_beats(found, costs, comparisons=6 * len(costs))
+    assert min(cost.mean() for cost in costs.values()) < 1.15 * found.cost
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n_cycles", [5, 20, 100])
+@pytest.mark.parametrize("condition", ["single_novice", "single_expert", "multiple_novice"])
+def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_percent(
+    condition: str, n_cycles: int, paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
+    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
+    costs = policy_costs(paper, one, condition, n_cycles, trials=40, descents=1000)
+    found = bound_of(one, n_cycles)
+    assert_no_policy_beats(found, costs, comparisons=9 * len(costs))
+    best = min(costs.values(), key=np.mean)
+    assert best.mean() - allowance(best, 9) < 1.01 * found.cost
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_experts_choice_between_equal_costs_is_not_decided_by_rounding(seed: int) -> None:
+    """Reactions that tire mirrored joints: which of them is the cheaper one is told by the order of a sum only."""
+    rng = np.random.default_rng(seed)
+    offset = rng.uniform(0.05, 0.5, 4)
+    gain = np.array([0.9, 0.9, 0.1, 0.1])
+    model = Model(np.tile(gain, (1, 2, 1)), np.stack([offset, offset[[1, 0, 3, 2]]])[None], math.inf)
+    start = Start(np.zeros((1, 4)), np.ones(1))
+    found = bound(model, start, 3)
+    assert not found.exact
+    either = [optimum(Model(model.gain[:, [u]], model.offset[:, [u]], 0.0), start, 3) for u in (0, 1)]
+    assert found.cost <= min(*either, optimum(model, start, 3))

@@ -1,0 +1,50 @@
+"""Kernels as plain Python, with other parts in them: for parts with planted errors, without compiling any."""
+
+from collections.abc import Callable
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fatigue_planner.planners.pomcp import policy
+from fatigue_planner.planners.pomcp.kernels import search_kernel
+from fatigue_planner.pomdp import simd
+from fatigue_planner.pomdp.beliefs import exact
+
+
+def interpreted(kernel: Any, **parts: Any) -> FunctionType:
+    """A copy of a compiled function that Python runs, and all it calls; `parts` by name in place of its own."""
+    plain = getattr(kernel, "py_func", kernel)
+    names = dict(plain.__globals__)
+    for name in plain.__code__.co_names:
+        if name in parts:
+            names[name] = parts[name]
+        elif names.get(name) in (simd.move, simd.sum_of_squares_after):
+            names[name] = simd._interpreted(store=names[name] is simd.move)
+        elif hasattr(names.get(name), "py_func"):
+            names[name] = interpreted(names[name], **parts)
+    return FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__)
+
+
+def plant_in_search(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]) -> None:
+    """Let every search run as plain Python, with these parts."""
+
+    def plain_kernel(*which: Any) -> Callable[..., int]:
+        grow = interpreted(search_kernel(*which), **parts)
+        names = grow.__code__.co_varnames[: grow.__code__.co_argcount]
+
+        def run(*values: Any) -> int:
+            tree = values[names.index("tree")]
+            fields_as_attributes = tree._replace(nodes=tree.nodes.view(np.recarray))
+            return int(grow(*(fields_as_attributes if value is tree else value for value in values)))
+
+        return run
+
+    monkeypatch.setattr(policy, "search_kernel", plain_kernel)
+
+
+def plant_in_belief(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]) -> None:
+    """Let exact beliefs be updated by plain Python, with these parts."""
+    original = exact.specialised
+    monkeypatch.setattr(exact, "specialised", lambda *args, **own: interpreted(original(*args, **own), **parts))

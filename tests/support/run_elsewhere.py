@@ -1,0 +1,53 @@
+"""`fatplan simulate` and `benchmark` as one process, with the work done wherever and in whatever order.
+
+Called as: run_elsewhere.py KIND COUNT ORDER EXPERIMENT FOLDER; KIND is processes, threads or a scheduler's address,
+ORDER the seed of the order in which work is begun.
+"""
+
+import random
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+from threads import Threads
+
+from fatigue_planner.cli import benchmark as benchmark_command
+from fatigue_planner.cli import simulate as simulate_command
+from fatigue_planner.cli.options import executor_of
+from fatigue_planner.core.executors.executor import Executor, Pool
+
+
+class Shuffled(Executor):
+    """Another executor that begins work in another order."""
+
+    def __init__(self, inner: Executor, seed: int) -> None:
+        self._inner, self._rng = inner, random.Random(seed)
+
+    @property
+    def workers(self) -> int:
+        return self._inner.workers
+
+    def pool(self, work: Callable[[Any], Any], most: int) -> AbstractContextManager[Pool]:
+        return self._inner.pool(work, most)
+
+    def run(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        order = list(range(len(items)))
+        self._rng.shuffle(order)
+        for place, result in self._inner.run(work, [items[index] for index in order]):
+            yield order[place], result
+
+
+def executor(kind: str, count: int) -> Executor:
+    return Threads(count) if kind == "threads" else executor_of(count, None if kind == "processes" else kind)
+
+
+if __name__ == "__main__":
+    kind, count, order, experiment, folder = sys.argv[1:]
+    where = Shuffled(executor(kind, int(count)), int(order))
+    for command in (simulate_command, benchmark_command):
+        command.executor_of = lambda jobs, dask: where  # type: ignore[attr-defined]
+    cache, results = Path(folder, "cache"), Path(folder, "results")
+    simulate_command.simulate(Path(experiment), cache)
+    benchmark_command.benchmark(Path(experiment), regret=True, bound=True, cache=cache, results=results)

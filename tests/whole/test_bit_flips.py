@@ -1,0 +1,148 @@
+"""A single bit that changes, anywhere in any kind of file that is kept, is noticed before anything is made of it."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from published import COMMAND, publish
+
+from fatigue_planner.core.errors import BundleError, DamagedFileError, FatplanError, OtherVersionError
+from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.reactions import hdf5_layout
+from fatigue_planner.reactions.archive import export_bundle, import_bundle
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.study.benchmark import bounds
+from fatigue_planner.study.benchmark.bounds import run_bounds
+from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.results import load_results
+from fatigue_planner.study.benchmark.runner import run_grid
+from fatigue_planner.study.benchmark.selection import Selection, cells, selected
+from fatigue_planner.study.benchmark.store import TrialStore
+
+# kind -> flips in the slow test
+SLOW = {"entry": 400, "bundle": 100, "trials": 200, "bound": 200, "table": 150, "actions": 150, "manifest": 300}
+
+
+@pytest.fixture(scope="module")
+def small(paper: Experiment) -> Experiment:
+    return selected(paper, Selection([5], None, ["random", "greedy"], 4, None, None))
+
+
+@pytest.fixture(scope="module")
+def grid(small: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
+    return cells(small, cycle_profiles(small, reactions))
+
+
+@pytest.fixture(scope="module")
+def kept(
+    small: Experiment, reactions: tuple[Reaction, ...], cache_folder: Path, grid: list[Cell],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:  # fmt: skip
+    """One folder with every kind of file."""
+    folder = tmp_path_factory.mktemp("kept")
+    shutil.copytree(cache_folder, folder / "cache")
+    export_bundle(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "bundle.zip", "fatplan simulate")
+    publish(small, reactions, folder / "results")
+    run_grid(grid[:1], folder / "trials", LocalProcesses(1), lambda cell, n: None)
+    run_bounds(grid[:1], folder / "bounds", LocalProcesses(1), lambda: None)
+    return folder
+
+
+class Noticed:
+    """Where the file of a kind is, and whether reading it, as the program does, says that it is damaged."""
+
+    def __init__(self, kept: Path, folder: Path, small: Experiment, grid: list[Cell]) -> None:
+        self.folder = Path(shutil.copytree(kept, folder / "kept"))
+        self._small, self._grid = small, grid
+
+    def path(self, kind: str) -> Path:
+        files = {
+            "entry": "cache/*.h5", "bundle": "bundle.zip", "trials": "trials/*/*.json", "bound": "bounds/*.json",
+            "table": "results/trials.csv", "actions": "results/actions.csv", "manifest": "results/manifest.json",
+        }  # fmt: skip
+        return sorted(self.folder.glob(files[kind]))[0]
+
+    def by(self, kind: str) -> bool:
+        ways: dict[str, Callable[[], object]] = {
+            "entry": self._entry, "bundle": self._bundle, "trials": self._trials, "bound": self._bound,
+        }  # fmt: skip
+        try:
+            return bool(ways.get(kind, self._results)())
+        except (DamagedFileError, OtherVersionError, BundleError):
+            return True
+
+    def _entry(self) -> bool:
+        ReactionCache(self.folder / "cache").read(self.path("entry"))
+        return False
+
+    def _bundle(self) -> bool:
+        """Refused; or the flip is in the list of contents at its end, which is not read, and what comes in is right."""
+        into = ReactionCache(self.folder / "into")
+        (one,) = import_bundle(self.path("bundle"), into)
+        if one.path is None:
+            return True
+        original = self.folder / "cache" / one.path.name
+        return one.path.read_bytes() == original.read_bytes()
+
+    def _trials(self) -> bool:
+        store = TrialStore(self.folder / "trials")
+        store.load(self._grid[0])
+        return self._aside("trials", len(store.warnings) == 1)
+
+    def _bound(self) -> bool:
+        digest = bounds.bound_digest(self._grid[0].situation, self._grid[0].n_cycles)
+        return self._aside("bound", bounds._read(self.folder / "bounds", digest, []) is None)
+
+    def _aside(self, kind: str, noticed: bool) -> bool:
+        for path in self.folder.glob("*/**/*.damaged-1"):
+            path.rename(path.with_suffix(".json"))
+        return noticed
+
+    def _results(self) -> bool:
+        load_results(self._small, self.folder / "results", COMMAND)
+        return False
+
+
+def flip(noticed: Noticed, kind: str, many: int, seed: int) -> None:
+    path, rng = noticed.path(kind), np.random.default_rng(seed)
+    whole = path.read_bytes()
+    assert kind == "bundle" or not noticed.by(kind), "sound, and called damaged"
+    for _ in range(many):
+        place, bit = int(rng.integers(len(whole))), int(rng.integers(8))
+        data = bytearray(whole)
+        data[place] ^= 1 << bit
+        path.write_bytes(data)
+        assert noticed.by(kind), f"bit {bit} of byte {place} of {path.name}"
+    path.write_bytes(whole)
+
+
+@pytest.mark.parametrize("kind", SLOW)
+def test_flipped_bits_are_noticed(kind: str, kept: Path, small: Experiment, grid: list[Cell], tmp_path: Path) -> None:
+    flip(Noticed(kept, tmp_path, small, grid), kind, 10, seed=1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", SLOW)
+def test_many_flipped_bits_are_noticed(
+    kind: str, kept: Path, small: Experiment, grid: list[Cell], tmp_path: Path
+) -> None:
+    assert sum(SLOW.values()) >= 1_000
+    flip(Noticed(kept, tmp_path, small, grid), kind, SLOW[kind], seed=2)
+
+
+def test_a_damaged_entry_is_refused_before_hdf5_sees_it(kept: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = ReactionCache(kept / "cache").files()[0]
+    whole = path.read_bytes()
+    seen: list[int] = []
+    monkeypatch.setattr(hdf5_layout, "read_hdf5", lambda content, layout: seen.append(len(content)))
+    for place in (0, 20, 511, 512, 600, len(whole) - 1):
+        data = bytearray(whole)
+        data[place] ^= 1
+        with pytest.raises(FatplanError):
+            hdf5_layout.read_entry(bytes(data), "f")
+    assert seen == []

@@ -1,0 +1,105 @@
+"""Do the tests see anything? A fault planted in a copy of the sources must make one of the tests named for it fail.
+
+`pytest -m '' --dist load tests/whole/test_planted_faults.py` spreads the faults over the cores; with `--junitxml FILE`
+the file says which test has seen each.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from conftest import ROOT
+from planted_faults import FAULTS, Fault
+
+PARTS = ("fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md")
+LONGEST_S = 900
+# How a message begins where a test has found another result than it demands; anything else is a broken program.
+FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
+
+
+class Ran(NamedTuple):
+    """A test that was run: its name, and the first words of its failure, empty if it passed."""
+
+    name: str
+    failure: str
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Iterator[Path]:
+    """A copy of the project, removed afterwards."""
+    folder = tmp_path / "copy"
+    folder.mkdir()
+    for part in PARTS:
+        source = ROOT / part
+        if source.is_dir():
+            shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, folder / part)
+    yield folder
+    shutil.rmtree(folder)
+
+
+def run_tests(folder: Path, tests: list[str]) -> list[Ran]:
+    """Run some of the copy's tests until one fails, with the copy's package and compiled code of its own."""
+    outside = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
+    report = folder / "report.xml"
+    options = ["-n", "0", "-x", "-p", "no:cacheprovider", "--basetemp", folder / "temporary", "--junitxml", report]
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", *options, *(f"tests/{test}" for test in tests)],
+        cwd=folder,
+        env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")},
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+        check=False,
+    )
+    assert done.returncode in {0, 1}, done.stdout + done.stderr
+    ran = []
+    for case in ET.parse(report).iter("testcase"):
+        assert case.find("skipped") is None, case.get("name")
+        failure = case.find("failure")
+        broken = case.find("error") if failure is None else failure
+        ran.append(Ran(str(case.get("name")), "" if broken is None else str(broken.get("message"))))
+    return ran
+
+
+def test_every_fault_can_still_be_planted() -> None:
+    """The old text stands once, the new one is Python, and the tests are there."""
+    assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 26
+    for fault in FAULTS:
+        text = (ROOT / "fatigue_planner" / fault.file).read_text(encoding="utf-8")
+        assert text.count(fault.old) == 1, fault.name
+        compile(text.replace(fault.old, fault.new), fault.file, "exec")
+        assert fault.old != fault.new and fault.tests, fault.name
+        for test in fault.tests:
+            file, function = test.split("[")[0].split("::")
+            assert f"def {function}(" in (ROOT / "tests" / file).read_text(encoding="utf-8"), test
+
+
+@pytest.mark.slow
+def test_without_a_fault_the_tests_pass(copy: Path) -> None:
+    ran = run_tests(copy, sorted({test for fault in FAULTS for test in fault.tests}))
+    assert not [one for one in ran if one.failure]
+    assert {one.name.partition("[")[0] for one in ran} == {
+        test.partition("[")[0].split("::")[1] for fault in FAULTS for test in fault.tests
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "_"))
+def test_a_planted_fault_is_seen(copy: Path, fault: Fault, record_property: Callable[[str, object], None]) -> None:
+    path = copy / "fatigue_planner" / fault.file
+    text = path.read_text(encoding="utf-8")
+    assert text.count(fault.old) == 1
+    path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
+    failures = [one for one in run_tests(copy, list(fault.tests)) if one.failure]
+    assert failures, f"{fault.name}: no test fails"
+    assert all(FOUND.match(one.failure) for one in failures), failures
+    record_property("seen by", failures[0].name)
