@@ -29,7 +29,7 @@ from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.output.reports.html.labels import counted
+from fatigue_planner.output.reports.html.blocks import counted
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
@@ -52,13 +52,11 @@ from fatigue_planner.study.benchmark.tables import (
     trial_table,
 )
 from fatigue_planner.study.benchmark.trial import TrialResult
-from fatigue_planner.study.statistics.comparison import comparison_table
+from fatigue_planner.study.statistics.comparison import comparison_table, summary_text
 from fatigue_planner.study.statistics.contrast_text import contrast_text
 from fatigue_planner.study.statistics.contrasts import CONTRASTS_FILE, contrasts
-from fatigue_planner.study.statistics.gaps import gap_table, gap_text
-from fatigue_planner.study.statistics.regret import regret_table, regret_text
-from fatigue_planner.study.statistics.rows import records
-from fatigue_planner.study.statistics.summary import summary_text
+from fatigue_planner.study.statistics.pairing import records
+from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"

@@ -38,7 +38,7 @@ from fatigue_planner.core.errors import ExitCode, MissingReactionsError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.output.reports.html.labels import counted
+from fatigue_planner.output.reports.html.blocks import counted
 from fatigue_planner.reactions.archive import export_bundle, import_bundle
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.cache_miss import Miss, explain

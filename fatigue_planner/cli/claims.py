@@ -20,7 +20,7 @@ from fatigue_planner.study.claims.evaluation import evaluate
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
 from fatigue_planner.study.claims.text import claims_text
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 

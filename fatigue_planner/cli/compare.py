@@ -12,7 +12,7 @@ from fatigue_planner.core.files import publish_text, writable_folder
 from fatigue_planner.output.reports.results.compare import compare as compared
 from fatigue_planner.output.reports.results.compare import compare_page, compare_text
 from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 
 def compare(

@@ -6,13 +6,38 @@ it cannot see the world's future.
 """
 
 import hashlib
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fatigue_planner.core.files import canonical_json
+
+Vector = NDArray[np.float64]
 
 
 def stream(seed: int, *key: str | int) -> np.random.Generator:
     """The generator of a purpose: equal keys give equal draws on every machine and in any order."""
     digest = hashlib.sha256(canonical_json([seed, *key]).encode()).digest()
     return np.random.default_rng(np.random.SeedSequence(int.from_bytes(digest)))
+
+
+@dataclass(frozen=True)
+class World:
+    """Uniform draws in [0, 1) for the worker (3,), the start and every cycle."""
+
+    worker: Vector
+    start: float
+    preference: Vector
+    observation: Vector
+
+
+def draw_world(seed: int, condition: str, n_cycles: int, trial: int) -> World:
+    """The world of a trial, the same for every policy."""
+    key = (condition, n_cycles, trial)
+    return World(
+        stream(seed, "worker", *key).random(3),
+        float(stream(seed, "start", *key).random()),
+        stream(seed, "preference", *key).random(n_cycles),
+        stream(seed, "observation", *key).random(n_cycles),
+    )

@@ -1,11 +1,20 @@
-"""The base of every group of settings: frozen, strict, finite, no unknown key."""
+"""The base of every group of settings: frozen, strict, finite, no unknown key; and data files checked against one."""
 
 import json
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
+
+from fatigue_planner.core.errors import DataFileError, shortened
+from fatigue_planner.core.yaml_reader import read_yaml
+
+T = TypeVar("T")
 
 LONGEST_NAME = 40
+# More faults of a data file help nobody.
+MOST_FAULTS = 20
 # What files, columns and folders can be called.
 Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST_NAME - 1}}}$")]
 # Seeds beyond it differ between programs that read the JSON of a manifest.
@@ -20,3 +29,21 @@ class Settings(BaseModel):
     def plain(self) -> dict[str, Any]:
         """The settings as JSON values; an infinite number is the text "Infinity"."""
         return dict(json.loads(self.model_dump_json()))
+
+
+def load_data(path: Path, kind: type[T]) -> T:
+    """The content of a data file, checked against `kind`.
+
+    Raises DataFileError naming the file and every offending key.
+    """
+    try:
+        return TypeAdapter(kind).validate_python(read_yaml(path, DataFileError), strict=True)
+    except ValidationError as error:
+        faults = "; ".join(_described(fault) for fault in error.errors(include_url=False)[:MOST_FAULTS])
+        raise DataFileError(f"{path}: {faults}") from error
+
+
+def _described(fault: ErrorDetails) -> str:
+    place = ".".join(map(str, fault["loc"]))
+    value = "" if fault["type"] == "missing" else f" = {shortened(fault['input'])}"
+    return f"{place}{value}: {fault['msg']}"

@@ -106,3 +106,27 @@ def joint_shares(share: Vector) -> dict[str, float]:
         joint.name: max(by_entry[f"{dof.name}:{way}"] for dof in joint.degrees_of_freedom for way in DIRECTIONS)
         for joint in JOINTS
     }
+
+
+Array = NDArray[np.float64]
+
+# Joints of the spine that are one in everyday words.
+TOGETHER = {"lumbar": "back", "thoracic": "back", "head": "neck"}
+
+_FREEDOM_OF = np.array([entry.split(":", maxsplit=1)[0] for entry in ENTRIES])
+
+
+def _groups() -> dict[str, NDArray[np.intp]]:
+    names: dict[str, list[str]] = {}
+    for joint in JOINTS:
+        group = names.setdefault(TOGETHER.get(joint.name, joint.name), [])
+        group += [dof.name for dof in joint.degrees_of_freedom]
+    return {group: np.flatnonzero(np.isin(_FREEDOM_OF, freedoms)) for group, freedoms in names.items()}
+
+
+JOINT_GROUPS = _groups()
+
+
+def highest_fatigue(fatigue: Array) -> dict[str, Array]:
+    """The most tired entry of every group: fatigue (..., 78) to (...) by group."""
+    return {group: fatigue[..., places].max(axis=-1) for group, places in JOINT_GROUPS.items()}

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.core.settings import Settings
-from fatigue_planner.human.data_files import DATA, load_data
-from fatigue_planner.human.skeleton import without_side
+from fatigue_planner.core.settings import Settings, load_data
+from fatigue_planner.human.skeleton import DATA, without_side
 
 Sex = Literal["female", "male"]
 Vector = NDArray[np.float64]

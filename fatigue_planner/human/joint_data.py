@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import DataFileError
-from fatigue_planner.core.settings import Settings
-from fatigue_planner.human.data_files import DATA, load_data
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, without_side
+from fatigue_planner.core.settings import Settings, load_data
+from fatigue_planner.human.skeleton import DATA, DEGREES_OF_FREEDOM, without_side
 from fatigue_planner.human.strength_sets import load_strengths
 
 Vector = NDArray[np.float64]

@@ -8,9 +8,13 @@ Structure: paper, section III-C (17 bodies, 16 joints, 7 per arm, 7 per leg, 11 
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+# The tables of the human body that ship with the package.
+DATA = Path(__file__).parent / "data"
 
 ROOT_BODY = "pelvis"
 

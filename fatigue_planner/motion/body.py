@@ -15,10 +15,10 @@ from fatigue_planner.motion.minimum_jerk import Pose, Trajectory
 from fatigue_planner.motion.schedule import Run
 from fatigue_planner.motion.settings import Controller, Cycle, Side
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
-from fatigue_planner.motion.tasks.coordinates import Coordinates
 from fatigue_planner.motion.tasks.hand import HandTask
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.registry import Preference
+from fatigue_planner.motion.tasks.task import Coordinates
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -19,9 +19,8 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.assembly import assemble, within_limits
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
-from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
 from fatigue_planner.motion.joint_limits import acceleration_bounds
-from fatigue_planner.motion.quadratic_program import QuadraticProgram, solve_either
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_either
 from fatigue_planner.motion.settings import Controller
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Task

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.motion.body import Body
 from fatigue_planner.motion.controller import LimitKind
-from fatigue_planner.motion.saturation import Saturation, saturation
+from fatigue_planner.motion.quality import Saturation, saturation
 from fatigue_planner.motion.schedule import phases_of
 
 Matrix = NDArray[np.float64]

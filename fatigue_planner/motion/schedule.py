@@ -1,4 +1,4 @@
-"""What a request means in ticks: phases, masses in the hands, forces, switching of tasks."""
+"""What a request means in ticks: phases, hand trajectories, masses in the hands, forces, switching of tasks."""
 
 from typing import NamedTuple
 
@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Tool
 from fatigue_planner.human.skeleton import SIDES
-from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.minimum_jerk import minimum_jerk
+from fatigue_planner.motion.action import Action, HandGoal
+from fatigue_planner.motion.minimum_jerk import Pose, Reach, Trajectory, minimum_jerk
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.payload import CarriedMass, HandForce
 from fatigue_planner.motion.settings import PHASES, Cycle, PhaseName, Side
@@ -96,3 +96,27 @@ def rise_of(phase: Phase, time_step_s: float) -> Vector:
     ticks = phase.stop - phase.start
     times: Vector = np.arange(1, ticks + 1) * np.float64(time_step_s)
     return minimum_jerk(times / min(SWITCH_S, ticks * time_step_s))[0]
+
+
+def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float) -> Trajectory:
+    """From home to the first waypoint, along the waypoints, and home again: minimum jerk, from rest to rest.
+
+    The last waypoint is held until the work is over.
+    """
+    reach, work, back = phases
+    path = goal.path()
+    poses = [home, *(waypoint.pose(home) for waypoint in path), home]
+    begin_s = work.start * time_step_s
+    arrivals = [begin_s + waypoint.work_time_s for waypoint in path]
+    starts = [reach.start * time_step_s, *arrivals[:-1], back.start * time_step_s]
+    ends = [*arrivals, back.stop * time_step_s]
+    # the ticks of a leg: those from its beginning to that of the next one
+    bounds = [round(start / time_step_s) for start in starts] + [back.stop]
+    return Trajectory.joined(
+        [
+            Reach(poses[leg], poses[leg + 1], ends[leg] - starts[leg]).at(
+                np.arange(bounds[leg], bounds[leg + 1]) * np.float64(time_step_s) - starts[leg]
+            )
+            for leg in range(len(starts))
+        ]
+    )

@@ -8,8 +8,7 @@ from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.failure import failure
 from fatigue_planner.motion.motion import Motion
-from fatigue_planner.motion.references import hand_reference
-from fatigue_planner.motion.schedule import Run, forces_of, phases_of, rise_of, runs_of, share_of
+from fatigue_planner.motion.schedule import Run, forces_of, hand_reference, phases_of, rise_of, runs_of, share_of
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -12,11 +12,9 @@ from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import ROWS, Motion
-from fatigue_planner.motion.quality import Quality
-from fatigue_planner.motion.references import hand_reference
+from fatigue_planner.motion.quality import Quality, saturation
 from fatigue_planner.motion.replay import energy_error_share, replay
-from fatigue_planner.motion.saturation import saturation
-from fatigue_planner.motion.schedule import forces_of, phases_of, runs_of
+from fatigue_planner.motion.schedule import forces_of, hand_reference, phases_of, runs_of
 
 Matrix = NDArray[np.float64]
 

@@ -24,8 +24,7 @@ from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, 
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
-from fatigue_planner.reactions.checksum import is_sealed
-from fatigue_planner.reactions.hdf5_layout import MOST_BYTES, entry_bytes, read_entry
+from fatigue_planner.reactions.hdf5_layout import MOST_BYTES, entry_bytes, is_sealed, read_entry
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
 
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")

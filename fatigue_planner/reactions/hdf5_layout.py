@@ -34,7 +34,6 @@ from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MOST_TICKS, PHASES
-from fatigue_planner.reactions.checksum import SEAL_BYTES, is_sealed, sealed
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
 from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
 
@@ -225,3 +224,22 @@ def _content_sha256(reaction: Reaction) -> str:
         array = np.ascontiguousarray(getattr(motion, name), dtype="<f8")
         digest.update(canonical_json([name, array.shape]).encode() + array.tobytes())
     return digest.hexdigest()
+
+
+SEAL_BYTES = 512
+_MARK = b"fatplan sha256 "
+
+
+def sealed(content: bytes) -> bytes:
+    """A content that begins with SEAL_BYTES free bytes, with its seal in them."""
+    return _seal(content) + content[SEAL_BYTES:]
+
+
+def is_sealed(content: bytes) -> bool:
+    """Whether a content is, to the bit, what was sealed."""
+    return len(content) > SEAL_BYTES and content[:SEAL_BYTES] == _seal(content)
+
+
+def _seal(content: bytes) -> bytes:
+    digest = hashlib.sha256(memoryview(content)[SEAL_BYTES:]).hexdigest()
+    return (_MARK + digest.encode() + b"\n").ljust(SEAL_BYTES, b"\0")

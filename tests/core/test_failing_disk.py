@@ -32,9 +32,8 @@ from fatigue_planner.study.benchmark.tables import (
     regret_rows,
     trial_table,
 )
-from fatigue_planner.study.statistics.comparison import comparison_table
-from fatigue_planner.study.statistics.gaps import gap_table
-from fatigue_planner.study.statistics.summary import summary_text
+from fatigue_planner.study.statistics.comparison import comparison_table, summary_text
+from fatigue_planner.study.statistics.regret import gap_table
 
 
 class Remembering(Executor):

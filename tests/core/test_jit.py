@@ -26,8 +26,8 @@ from small_problems import (
 )
 
 from fatigue_planner.core.jit import _meaning
-from fatigue_planner.planners.pomcp.backups.mean import expect_nothing
-from fatigue_planner.planners.pomcp.leaf_values.none import no_value
+from fatigue_planner.planners.pomcp.backups import expect_nothing
+from fatigue_planner.planners.pomcp.leaf_values import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import draw
@@ -66,7 +66,7 @@ import constants
 import helper
 import numpy as np
 from fatigue_planner.core.jit import compiled, specialised
-from fatigue_planner.planners.pomcp.leaf_values.bound import problem_bound
+from fatigue_planner.planners.pomcp.leaf_values import problem_bound
 from helper import helped
 
 NUMBER = 1.0

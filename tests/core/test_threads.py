@@ -11,7 +11,7 @@ import numba
 import pytest
 
 from fatigue_planner.core.jit import specialised
-from fatigue_planner.planners.pomcp.leaf_values.bound import problem_bound
+from fatigue_planner.planners.pomcp.leaf_values import problem_bound
 from fatigue_planner.reactions.hdf5_layout import entry_bytes
 from fatigue_planner.reactions.reaction import Reaction
 

@@ -13,8 +13,8 @@ from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, w
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
-from fatigue_planner.motion.tasks.coordinates import Coordinates
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
+from fatigue_planner.motion.tasks.task import Coordinates
 
 
 def worker(height_m: float = 1.75, mass_kg: float = 75, sex: str = "male") -> Worker:

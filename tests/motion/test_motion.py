@@ -15,12 +15,11 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import build_human
 from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.contact import wrench_cone
-from fatigue_planner.motion.elastic_program import smallest_slack, solve_eased
 from fatigue_planner.motion.joint_limits import acceleration_bounds
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, minimum_jerk
 from fatigue_planner.motion.motion import ROWS, Motion, Phase
 from fatigue_planner.motion.payload import HandForce, TimedForce
-from fatigue_planner.motion.quadratic_program import QuadraticProgram
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased
 from fatigue_planner.motion.quality import NOT_BARS, Quality
 from fatigue_planner.motion.schedule import phases_of
 from fatigue_planner.motion.settings import Cycle

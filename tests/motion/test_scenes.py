@@ -23,12 +23,12 @@ from fatigue_planner.motion.schedule import SWITCH_S, Run, phases_of, runs_of, s
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMass
-from fatigue_planner.motion.tasks.coordinates import Coordinates
 from fatigue_planner.motion.tasks.hand import Hand
 from fatigue_planner.motion.tasks.joint_posture import JointPosture
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_orientation import SegmentOrientation
 from fatigue_planner.motion.tasks.segment_position import SegmentPosition
+from fatigue_planner.motion.tasks.task import Coordinates
 from fatigue_planner.motion.verification import measure
 
 EXPERIMENTS = ROOT / "experiments"

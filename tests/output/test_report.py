@@ -14,12 +14,21 @@ from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.joint_groups import JOINT_GROUPS, highest_fatigue
-from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.fatigue.parameters import ENTRIES, JOINT_GROUPS, highest_fatigue
 from fatigue_planner.output.figures.estimates import estimate_table
 from fatigue_planner.output.figures.fatigue_course import fatigue_table
-from fatigue_planner.output.reports.html.blocks import Code, Picture, Points, Section, Table, Text
-from fatigue_planner.output.reports.html.labels import listing, percent, percent_range, significant
+from fatigue_planner.output.reports.html.blocks import (
+    Code,
+    Picture,
+    Points,
+    Section,
+    Table,
+    Text,
+    listing,
+    percent,
+    percent_range,
+    significant,
+)
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_text
 from fatigue_planner.output.reports.results.figure_folder import Gallery

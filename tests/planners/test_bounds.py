@@ -9,16 +9,16 @@ import pytest
 from scipy.stats import t as student
 from small_problems import choice_probabilities
 
+from fatigue_planner.core.random_streams import draw_world
 from fatigue_planner.experiment.build import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.planners.bounds import sub_solution
-from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, cost_lower_bound
+from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, bound_of, cost_lower_bound
 from fatigue_planner.planners.bounds.history_classes import HistoryClasses
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
 from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
-from fatigue_planner.planners.bounds.scenario_bound import bound_of
 from fatigue_planner.planners.bounds.task import hidden_state, known_state
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
@@ -26,7 +26,6 @@ from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.scenario import Situation
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.trial import run_trial
 
 EXPERTISE = [0.0, 2.0, 30.0, math.inf]

@@ -17,9 +17,7 @@ from tree_checks import (
 )
 
 from fatigue_planner.planners.pomcp import policy as pomcp_module
-from fatigue_planner.planners.pomcp.backups.exact import back_up_exact
-from fatigue_planner.planners.pomcp.backups.max import back_up_max
-from fatigue_planner.planners.pomcp.backups.mean import back_up_mean
+from fatigue_planner.planners.pomcp.backups import back_up_exact, back_up_max, back_up_mean
 from fatigue_planner.planners.pomcp.buffers import Numbers
 
 DESCENTS = 300

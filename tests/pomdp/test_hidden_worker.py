@@ -16,6 +16,7 @@ from test_particles import BLIND, FALSE_ALARM, NOISY, STARTS, small_model, z_sco
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.random_streams import draw_world
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests, situation
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
@@ -33,7 +34,6 @@ from fatigue_planner.pomdp.problem import draw
 from fatigue_planner.pomdp.scenario import Situation, average_worker
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.tables import OUTCOMES, trial_table
 

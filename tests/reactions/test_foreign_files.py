@@ -34,8 +34,15 @@ from fatigue_planner.motion.motion import Phase
 from fatigue_planner.reactions import sandbox
 from fatigue_planner.reactions.archive import import_bundle
 from fatigue_planner.reactions.cache import ReactionCache, read_content
-from fatigue_planner.reactions.checksum import sealed
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, MOST_BYTES, MOST_TEXT, entry_bytes, read_entry, read_key
+from fatigue_planner.reactions.hdf5_layout import (
+    ARRAYS,
+    MOST_BYTES,
+    MOST_TEXT,
+    entry_bytes,
+    read_entry,
+    read_key,
+    sealed,
+)
 from fatigue_planner.reactions.reaction import ReactionKey, file_name
 
 MOST_CPU_S = 2.0

@@ -19,8 +19,7 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.checksum import sealed
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry, sealed
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey
 from fatigue_planner.reactions.verify import audit
 

@@ -14,7 +14,7 @@ from small_problems import STARTS, belief_in, small_model
 from fatigue_planner.core.errors import DamagedFileError, MissingTableError, SelectionError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.files import publish_sealed
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import World, draw_world, stream
 from fatigue_planner.experiment.build import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.policy import Decision, Policy, plain_decision
@@ -32,7 +32,6 @@ from fatigue_planner.pomdp.scenario import Situation
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark import cell as cell_module
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.random_numbers import World, draw_world
 from fatigue_planner.study.benchmark.replay import replay
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import choose

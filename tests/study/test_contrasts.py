@@ -17,9 +17,9 @@ from fatigue_planner.experiment.statistics_settings import Family, StatisticsSet
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.contrast_text import contrast_text
 from fatigue_planner.study.statistics.contrasts import contrasts
-from fatigue_planner.study.statistics.corrections import holm
-from fatigue_planner.study.statistics.hypotheses import equivalence_p, permutation_p
-from fatigue_planner.study.statistics.power import detectable_noncentrality, power
+from fatigue_planner.study.statistics.effect_sizes import detectable_noncentrality, power
+from fatigue_planner.study.statistics.hypothesis_tests import equivalence_p, permutation_p
+from fatigue_planner.study.statistics.multiple_testing import holm
 
 SETTINGS = StatisticsSettings(significance_level=0.05, resamples=999)
 SAMPLES = shared_worlds(np.random.default_rng(1))

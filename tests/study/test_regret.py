@@ -10,12 +10,12 @@ import pytest
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.random_streams import draw_world
 from fatigue_planner.experiment.build import cycle_profiles, situation
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.planners.bounds.scenario_bound import bound_of
-from fatigue_planner.planners.effort import check_effort
+from fatigue_planner.planners.bounds.cost_bound import bound_of
 from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.reference import describe, reference_for
+from fatigue_planner.planners.reference import check_effort, describe, reference_for
 from fatigue_planner.planners.settings import (
     AlternatingSettings,
     GreedySettings,
@@ -28,14 +28,12 @@ from fatigue_planner.pomdp.scenario import Situation
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.regret import Judgement
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.tables import REGRET_FILE, REGRETS, publish_table, read_table, regret_rows
 from fatigue_planner.study.benchmark.trial import cycle_of
 from fatigue_planner.study.statistics.comparison import comparison_table
-from fatigue_planner.study.statistics.gaps import gap_table, gap_text
-from fatigue_planner.study.statistics.regret import regret_table, regret_text
+from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
 REFERENCE = ReferenceSettings(kind="lookahead", depth=3)
 SAME = LookaheadSettings(kind="lookahead", depth=3)

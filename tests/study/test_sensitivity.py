@@ -26,8 +26,7 @@ from fatigue_planner.study.claims.answers import Answer, Verdict
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.sensitivity.conclusions import lessons, percent
 from fatigue_planner.study.sensitivity.design import Point, design
-from fatigue_planner.study.sensitivity.factors.choice import ChoiceSettings
-from fatigue_planner.study.sensitivity.factors.range import RangeSettings
+from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table, paired_gain
 from fatigue_planner.study.sensitivity.importance import importance_table, p_values, shares
 from fatigue_planner.study.sensitivity.reactions import react, unique_requests

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fatigue_planner.study.statistics.comparison import comparison_table, rank_policies
-from fatigue_planner.study.statistics.summary import summary_text
+from fatigue_planner.study.statistics.comparison import comparison_table, rank_policies, summary_text
 
 
 def cell(**samples: list[float]) -> pd.DataFrame:

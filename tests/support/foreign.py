@@ -15,8 +15,7 @@ import numpy as np
 
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
-from fatigue_planner.reactions.checksum import sealed
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, sealed
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName, file_name
 
 TICKS = 6

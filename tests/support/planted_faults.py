@@ -200,7 +200,7 @@ REACTIONS = (
     ),
     _f(
         "the seal of a reaction's file is not checked",
-        "reactions/checksum.py",
+        "reactions/hdf5_layout.py",
         "content[:SEAL_BYTES] == _seal(content)",
         "content.startswith(_MARK)",
         "reactions/test_reactions.py::test_a_damaged_entry_is_refused_and_set_aside_and_made_again[flip]",
@@ -356,21 +356,21 @@ PLANNERS = (
     ),
     _f(
         "the search avoids what it has not explored",
-        "planners/pomcp/explorations/fixed.py",
+        "planners/pomcp/ucb.py",
         "node.value[action] + width *",
         "node.value[action] - width *",
         "planners/test_search.py::test_golden_tree_by_hand",
     ),
     _f(
         "exploration is scaled by the variance",
-        "planners/pomcp/explorations/scaled.py",
+        "planners/pomcp/ucb.py",
         "deviation = np.sqrt(node.spread * numbers.inverse[max(node.visited - 1, 1)])",
         "deviation = node.spread * numbers.inverse[max(node.visited - 1, 1)]",
         "pomdp/test_metamorphic.py::test_another_unit_of_reward_changes_no_decision",
     ),
     _f(
         "the exact backup takes unknown successors for worth nothing",
-        "planners/pomcp/backups/exact.py",
+        "planners/pomcp/backups.py",
         "numbers.discount * future / known",
         "numbers.discount * future",
         "planners/test_search.py::test_exact_backup_knows_the_chances_everywhere",
@@ -384,9 +384,9 @@ PLANNERS = (
     ),
     _f(
         "rollouts discount their first reward",
-        "planners/pomcp/leaf_values/random_rollout.py",
-        "gained, weight = 0.0, 1.0",
-        "gained, weight = 0.0, numbers.discount",
+        "planners/pomcp/leaf_values.py",
+        "moved, probabilities = room.state, room.moved, room.probabilities\n    gained, weight = 0.0, 1.0",
+        "moved, probabilities = room.state, room.moved, room.probabilities\n    gained, weight = 0.0, numbers.discount",
         "planners/test_leaf_values.py::test_a_rollout_is_worth_what_its_policy_is_worth",
     ),
     _f(
@@ -401,14 +401,14 @@ PLANNERS = (
 BENCHMARK = (
     _f(
         "conditions share their seed",
-        "study/benchmark/random_numbers.py",
+        "core/random_streams.py",
         "key = (condition, n_cycles, trial)",
         "key = (n_cycles, trial)",
         "study/test_benchmark.py::test_worlds_depend_on_condition_length_and_trial_only",
     ),
     _f(
         "all trials are the same",
-        "study/benchmark/random_numbers.py",
+        "core/random_streams.py",
         "key = (condition, n_cycles, trial)",
         "key = (condition, n_cycles)",
         "study/test_benchmark.py::test_worlds_depend_on_condition_length_and_trial_only",
@@ -516,7 +516,7 @@ BENCHMARK = (
 STATISTICS = (
     _f(
         "an unpaired test for pairs",
-        "study/statistics/measure.py",
+        "study/statistics/contrasts.py",
         "paired_p=paired_p(differences)",
         "paired_p=student_p(pairs.first, pairs.second)",
         "study/test_contrasts.py::test_means_and_t_tests_by_mpmath",
@@ -530,14 +530,14 @@ STATISTICS = (
     ),
     _f(
         "Holm's correction is not monotone",
-        "study/statistics/corrections.py",
+        "study/statistics/multiple_testing.py",
         "np.maximum.accumulate(steps * p_values[order])",
         "steps * p_values[order]",
         "study/test_contrasts.py::test_holm_is_monotone_and_never_below_the_raw_value",
     ),
     _f(
         "a one-sided test",
-        "study/statistics/hypotheses.py",
+        "study/statistics/hypothesis_tests.py",
         "float(2 * stdtr(",
         "float(stdtr(",
         "study/test_contrasts.py::test_means_and_t_tests_by_mpmath",
@@ -551,14 +551,14 @@ STATISTICS = (
     ),
     _f(
         "sign of the equivalence margin",
-        "study/statistics/hypotheses.py",
+        "study/statistics/hypothesis_tests.py",
         "- margin) / standard_error(differences)",
         "+ margin) / standard_error(differences)",
         "study/test_contrasts.py::test_equivalence_by_mpmath",
     ),
     _f(
         "ties count as wins",
-        "study/statistics/effects.py",
+        "study/statistics/effect_sizes.py",
         "np.mean(differences == 0) / 2",
         "np.mean(differences == 0)",
         "study/test_contrasts.py::test_where_nothing_is_left_to_chance_the_difference_is_exact",

@@ -226,13 +226,12 @@ ONLY_NAMES = {
     "study/benchmark/job.py": "what a job is, no number",
     "core/settings.py": "the settings' values are in the key",
     "core/yaml_reader.py": "nothing is read there",
-    "human/data_files.py": "nothing is read there",
     "human/joint_data.py": "strengths are in the cycle maps", "human/skeleton.py": "names of the entries",
     "human/strength_sets.py": "strengths are in the cycle maps",
 }  # fmt: skip
 # In the folders of what matters, out of reach: a new file there is one file too many rather than one too few.
 TOO_MUCH = {
-    "fatigue/joint_groups.py", "planners/effort.py", "planners/reference.py", "human/urdf.py", "human/worker_tables.py",
+    "planners/reference.py", "human/urdf.py", "human/worker_tables.py",
     *(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / "planners/bounds").glob("[a-z]*.py")),
     *(f"human/{path.relative_to(PACKAGE / 'human')}" for path in (PACKAGE / "human/data/strengths").glob("*.yaml")),
 }  # fmt: skip
@@ -283,7 +282,7 @@ MAKERS = {
     "regret": (
         ("study.benchmark.regret",), (*cell.SOURCES, *regret.JUDGING), WITHOUT_A_PART | ONLY_NAMES, set()
     ),
-    "bounds": (("planners.bounds.scenario_bound",), bounds.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
+    "bounds": (("planners.bounds.cost_bound",), bounds.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
 }  # fmt: skip
 
 

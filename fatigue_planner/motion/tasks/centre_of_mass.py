@@ -9,8 +9,7 @@ from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Stiffnesses
-from fatigue_planner.motion.tasks.coordinates import Coordinates
-from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+from fatigue_planner.motion.tasks.task import Coordinates, Matrix, PreferenceTask, Task, Vector
 
 Indices = NDArray[np.intp]
 

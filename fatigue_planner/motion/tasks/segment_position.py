@@ -5,8 +5,7 @@ from typing import Literal
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Segment, Stiffnesses
-from fatigue_planner.motion.tasks.coordinates import Coordinates
-from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
+from fatigue_planner.motion.tasks.task import Coordinates, Matrix, PreferenceTask, Task, Vector
 
 
 class SegmentPositionTask(Task):

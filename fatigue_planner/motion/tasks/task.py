@@ -6,10 +6,11 @@ with a the generalised acceleration (45,) and critical damping, K_d = 2 sqrt(K_p
 """
 
 from abc import ABC, abstractmethod
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.model import Human
@@ -46,3 +47,25 @@ class PreferenceTask(Settings):
 
         Raises DataFileError for names or angles the human does not have.
         """
+
+
+class Coordinates(Settings):
+    """World coordinates in m (x forward, y left, z up, from the centre between the soles); those left out are free."""
+
+    x: float | None = Field(default=None, ge=-3, le=3)
+    y: float | None = Field(default=None, ge=-3, le=3)
+    z: float | None = Field(default=None, ge=0, le=3)
+
+    @model_validator(mode="after")
+    def _check_some(self) -> Self:
+        if not self.axes():
+            raise ValueError("give at least one of x, y and z")
+        return self
+
+    def axes(self) -> list[int]:
+        """The places of the coordinates given."""
+        return [i for i, value in enumerate((self.x, self.y, self.z)) if value is not None]
+
+    def values(self) -> Vector:
+        """The coordinates given, (n,) m."""
+        return np.array([value for value in (self.x, self.y, self.z) if value is not None])

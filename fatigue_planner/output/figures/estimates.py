@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.output.figures.style import look, new_figure, words
 from fatigue_planner.study.statistics.contrast import contrast_of, is_compared
-from fatigue_planner.study.statistics.rows import cells_of
+from fatigue_planner.study.statistics.pairing import cells_of
 
 WIDTH_IN = 7.2
 

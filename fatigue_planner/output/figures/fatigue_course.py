@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fatigue_planner.fatigue.joint_groups import highest_fatigue
+from fatigue_planner.fatigue.parameters import highest_fatigue
 from fatigue_planner.output.figures.style import LINES, look, new_figure, words
 
 Array = NDArray[np.float64]

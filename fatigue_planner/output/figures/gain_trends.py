@@ -9,9 +9,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.output.figures.style import COLOURS, new_figure, words
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.factors.bounded_range import SpanSettings
-from fatigue_planner.study.sensitivity.factors.choice import ChoiceSettings
-from fatigue_planner.study.sensitivity.factors.factor import FactorSettings, level_text
+from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
 
 # Verdict: marker and colour; told apart without colour, too.
 LOOKS = {"better": ("o", COLOURS[0]), "undecided": (".", "0.5"), "worse": ("X", COLOURS[1])}

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.output.figures.style import COLOURS, new_figure, words
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.factors.factor import level_text
+from fatigue_planner.study.sensitivity.factors import level_text
 
 COLUMNS = ["factor", "level", "gain", "gain_low", "gain_high"]
 

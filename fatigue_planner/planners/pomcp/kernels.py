@@ -10,16 +10,16 @@ from typing import Any, Literal, NamedTuple
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.jit import inlined, kernel, specialised
 from fatigue_planner.planners.expectimax import best_return, expected_now, observe
-from fatigue_planner.planners.pomcp.backups.exact import back_up_exact, expect_outcomes
-from fatigue_planner.planners.pomcp.backups.max import back_up_max
-from fatigue_planner.planners.pomcp.backups.mean import back_up_mean, expect_nothing
-from fatigue_planner.planners.pomcp.explorations.fixed import note_nothing, select_fixed
-from fatigue_planner.planners.pomcp.explorations.scaled import note_spread, select_scaled
-from fatigue_planner.planners.pomcp.leaf_values.bound import problem_bound
-from fatigue_planner.planners.pomcp.leaf_values.greedy_rollout import greedy_rollout
-from fatigue_planner.planners.pomcp.leaf_values.none import no_value
-from fatigue_planner.planners.pomcp.leaf_values.random_rollout import random_rollout
+from fatigue_planner.planners.pomcp.backups import (
+    back_up_exact,
+    back_up_max,
+    back_up_mean,
+    expect_nothing,
+    expect_outcomes,
+)
+from fatigue_planner.planners.pomcp.leaf_values import greedy_rollout, no_value, problem_bound, random_rollout
 from fatigue_planner.planners.pomcp.search import grow
+from fatigue_planner.planners.pomcp.ucb import note_nothing, note_spread, select_fixed, select_scaled
 from fatigue_planner.pomdp.problem import Pomdp
 
 BackupName = Literal["mean", "max", "exact"]

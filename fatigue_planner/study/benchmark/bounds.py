@@ -18,8 +18,7 @@ from fatigue_planner.core.files import (
     set_aside,
 )
 from fatigue_planner.core.provenance import versions_of
-from fatigue_planner.planners.bounds.cost_bound import CostBound
-from fatigue_planner.planners.bounds.scenario_bound import bound_of, fingerprint
+from fatigue_planner.planners.bounds.cost_bound import CostBound, bound_of, fingerprint
 from fatigue_planner.pomdp.scenario import Situation
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.tables import read_keyed

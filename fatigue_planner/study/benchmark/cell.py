@@ -9,18 +9,17 @@ import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.provenance import versions_of
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import draw_world, stream
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
 from fatigue_planner.pomdp.scenario import Situation
 from fatigue_planner.study.benchmark.job import Job
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 
 # What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
 SOURCES = (
     "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
-    "study/benchmark/random_numbers.py", "study/benchmark/trial.py",
+    "study/benchmark/trial.py",
 )  # fmt: skip
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 

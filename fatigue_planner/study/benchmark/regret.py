@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import draw_world, stream
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.study.benchmark.cell import SOURCES, Cell
 from fatigue_planner.study.benchmark.job import Job
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.replay import replay
 
 # A loss of this share of the value is none.

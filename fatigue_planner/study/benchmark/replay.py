@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.random_streams import draw_world
 from fatigue_planner.pomdp.problem import Vector
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.random_numbers import draw_world
 from fatigue_planner.study.benchmark.trial import cycle_of
 
 

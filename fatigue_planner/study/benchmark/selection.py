@@ -11,8 +11,7 @@ from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.experiment.build import situation
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
-from fatigue_planner.planners.effort import check_effort
-from fatigue_planner.planners.reference import reference_for
+from fatigue_planner.planners.reference import check_effort, reference_for
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Situation

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fatigue_planner.core.random_streams import World
 from fatigue_planner.planners.policy import Policy
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Vector, draw
 from fatigue_planner.pomdp.scenario import Knowledge, Situation
-from fatigue_planner.study.benchmark.random_numbers import World
 
 
 @dataclass(frozen=True)

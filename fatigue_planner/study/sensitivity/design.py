@@ -9,7 +9,7 @@ from fatigue_planner.core.random_streams import stream
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import meaning_faults
-from fatigue_planner.study.sensitivity.factors.factor import Level, level_text
+from fatigue_planner.study.sensitivity.factors import Level, level_text
 from fatigue_planner.study.sensitivity.study import Study
 
 Design = Literal["base", "one at a time", "space filling"]

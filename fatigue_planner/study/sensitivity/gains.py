@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from fatigue_planner.study.statistics.rows import cells_of
+from fatigue_planner.study.statistics.pairing import cells_of
 
 Vector = NDArray[np.float64]
 

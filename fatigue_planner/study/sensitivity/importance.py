@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.random_streams import stream
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.factors.factor import FactorSettings, Level, level_text
+from fatigue_planner.study.sensitivity.factors import FactorSettings, Level, level_text
 
 Matrix = NDArray[np.float64]
 Vector = NDArray[np.float64]

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from fatigue_planner.core.settings import Name, Seed, Settings
 from fatigue_planner.planners.settings import PolicySettings
-from fatigue_planner.study.sensitivity.factors.registry import AnyFactor
+from fatigue_planner.study.sensitivity.factors import AnyFactor
 
 # Every level of every factor is checked before anything is run.
 MOST_FACTORS = 50

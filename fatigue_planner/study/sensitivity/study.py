@@ -14,7 +14,7 @@ from fatigue_planner.experiment.error_messages import fault_text
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
-from fatigue_planner.study.sensitivity.factors.factor import Level
+from fatigue_planner.study.sensitivity.factors import Level
 from fatigue_planner.study.sensitivity.keys import KeyPath, find, overlap, value_at, with_value
 from fatigue_planner.study.sensitivity.settings import StudySettings
 

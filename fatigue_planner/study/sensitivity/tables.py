@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from fatigue_planner.study.sensitivity.conclusions import lessons
-from fatigue_planner.study.sensitivity.factors.factor import level_text
+from fatigue_planner.study.sensitivity.factors import level_text
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table
 from fatigue_planner.study.sensitivity.importance import importance_table
 from fatigue_planner.study.sensitivity.reactions import Reacted

@@ -1,14 +1,16 @@
-"""Means, standard deviations and the paper's t-tests between neighbouring policies (section IV-E)."""
+"""Means, standard deviations and the paper's t-tests between neighbours (section IV-E), and their summary in text."""
 
 import math
 import warnings
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from fatigue_planner.study.statistics.rows import cells_of
+from fatigue_planner.study.statistics.pairing import cells_of
 
 Vector = NDArray[np.float64]
 
@@ -77,3 +79,29 @@ def comparison_table(trials: pd.DataFrame, significance_level: float) -> pd.Data
         for rank, ranked in enumerate(rank_policies(cell, significance_level), start=1):
             rows.append({"condition": condition, "n_cycles": n_cycles, "rank": rank} | vars(ranked))
     return pd.DataFrame(rows)
+
+
+def summary_text(comparison: pd.DataFrame, significance_level: float) -> str:
+    """The comparison table in words, best policy first, each tested against the next one."""
+    lines = [
+        "Discounted return (higher is better): mean ± standard deviation over the trials.",
+        f"Each policy is tested against the next one: Student's t-test, unpaired, at {100 * significance_level:g} % "
+        "(ns: not significant).",
+    ]
+    for condition, n_cycles, cell in cells_of(comparison):
+        lines += ["", f"{condition}, {n_cycles} cycles"]
+        for row in cell.to_dict("records"):
+            lines.append(f"  {row['rank']}. {row['policy']:<16} {_estimate(row)}  {_test(row)}".rstrip())
+    return "\n".join(lines) + "\n"
+
+
+def _estimate(row: Mapping[Hashable, Any]) -> str:
+    if row["trials"] == 1:
+        return f"{row['mean']:.6f}  ({'one deterministic run' if row['deterministic'] else 'one run'})"
+    return f"{row['mean']:.6f} ± {row['standard_deviation']:.6f}  (n = {row['trials']})"
+
+
+def _test(row: Mapping[Hashable, Any]) -> str:
+    if math.isnan(row["p_value"]):
+        return row["verdict"] if row["trials"] > 1 else ""
+    return f"{row['verdict']} (p = {row['p_value']:.2g})"

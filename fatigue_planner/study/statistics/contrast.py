@@ -8,7 +8,7 @@ from typing import Self
 import pandas as pd
 
 from fatigue_planner.core.errors import UnknownContrastError
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 # How the columns turn when first and second change places.
 _OPPOSITE = ("difference", "relative_difference", "cohen_dz", "hedges_g")

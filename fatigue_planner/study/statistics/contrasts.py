@@ -1,14 +1,109 @@
-"""The table of contrasts: every comparison of every family, with intervals, tests, effects and corrections."""
+"""The table of contrasts: every comparison with intervals, tests, effects and correction. Loads scipy.stats."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
+import numpy as np
 import pandas as pd
 
+from fatigue_planner.core.random_streams import stream
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
-from fatigue_planner.study.statistics.contrast import COLUMNS
-from fatigue_planner.study.statistics.corrections import holm
-from fatigue_planner.study.statistics.families import comparisons
-from fatigue_planner.study.statistics.pairing import pair, runs_by_policy
+from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast
+from fatigue_planner.study.statistics.effect_sizes import cohen_dz, detectable_difference, hedges_g, improvement
+from fatigue_planner.study.statistics.hypothesis_tests import (
+    equivalence_p,
+    equivalent_within,
+    paired_p,
+    permutation_p,
+    student_p,
+    welch_p,
+)
+from fatigue_planner.study.statistics.intervals import bca_interval, standard_error, t_interval, wilson_interval
+from fatigue_planner.study.statistics.multiple_testing import Comparison, comparisons, holm
+from fatigue_planner.study.statistics.pairing import Pairs, pair, runs_by_policy
+
+
+def measure(comparison: Comparison, pairs: Pairs, settings: StatisticsSettings, seed: int) -> Contrast:
+    """The contrast of the pairs, without the correction for its family.
+
+    Resampling draws from streams of the cell and the two policies, whatever else is compared.
+    """
+    empty = Contrast(**vars(comparison))
+    if pairs.fault:
+        return replace(empty, note=f"n/a ({pairs.fault})")
+    contrast = replace(
+        empty,
+        trials=len(pairs.first),
+        first_mean=float(pairs.first.mean()),
+        second_mean=float(pairs.second.mean()),
+        difference=float(pairs.differences.mean()),
+    )
+    contrast = replace(
+        contrast,
+        relative_difference=contrast.difference / contrast.mean_cost,
+        equivalence_margin=settings.equivalence_margin * contrast.mean_cost,
+    )
+    if not any(pairs.drawn):
+        return _exact(contrast)
+    if len(pairs.first) < 2:
+        return replace(contrast, note="n/a (one run only)")
+    contrast = _with_shares(_with_unpaired(contrast, pairs), pairs, settings.significance_level)
+    if pairs.constant():
+        return replace(contrast, note="n/a (constant differences)")
+    return _with_paired(contrast, pairs, settings, seed)
+
+
+def _exact(contrast: Contrast) -> Contrast:
+    difference = contrast.difference
+    share = improvement(np.array([difference]))
+    return replace(
+        contrast,
+        standard_error=0.0,
+        t_low=difference,
+        t_high=difference,
+        bca_low=difference,
+        bca_high=difference,
+        improvement=share,
+        improvement_low=share,
+        improvement_high=share,
+        equivalent_within=abs(contrast.relative_difference),
+        note="n/a (deterministic: nothing is left to chance)",
+    )
+
+
+def _with_unpaired(contrast: Contrast, pairs: Pairs) -> Contrast:
+    if not pairs.comparable_unpaired():
+        return contrast
+    both = pairs.first, pairs.second
+    return replace(contrast, student_p=student_p(*both), welch_p=welch_p(*both), hedges_g=hedges_g(*both))
+
+
+def _with_shares(contrast: Contrast, pairs: Pairs, level: float) -> Contrast:
+    share = improvement(pairs.differences)
+    low, high = wilson_interval(share, contrast.trials, level)
+    return replace(contrast, improvement=share, improvement_low=low, improvement_high=high)
+
+
+def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings, seed: int) -> Contrast:
+    differences, level, resamples = pairs.differences, settings.significance_level, settings.resamples
+    # the draws, too, are the same whichever policy comes first
+    key: tuple[str | int, ...] = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
+    t_low, t_high = t_interval(differences, level)
+    bca_low, bca_high = bca_interval(differences, level, resamples, stream(seed, "bootstrap", *key))
+    return replace(
+        contrast,
+        standard_error=standard_error(differences),
+        t_low=t_low,
+        t_high=t_high,
+        bca_low=bca_low,
+        bca_high=bca_high,
+        paired_p=paired_p(differences),
+        permutation_p=permutation_p(differences, resamples, stream(seed, "permutation", *key)),
+        cohen_dz=cohen_dz(differences),
+        detectable_difference=detectable_difference(differences, level),
+        equivalence_p=equivalence_p(differences, contrast.equivalence_margin),
+        equivalent_within=equivalent_within(differences, level) / contrast.mean_cost,
+    )
+
 
 CONTRASTS_FILE = "contrasts.csv"
 
@@ -20,7 +115,7 @@ def contrasts(trials: pd.DataFrame, settings: StatisticsSettings, seed: int) -> 
     the number of their trial. holm_p corrects paired_p within the family; rows without one do not count.
     A row's other numbers depend on the runs of its two policies, the settings and the seed only.
     """
-    from fatigue_planner.study.statistics.measure import measure  # noqa: PLC0415 - loads scipy.stats
+    from fatigue_planner.study.statistics.contrasts import measure  # noqa: PLC0415 - loads scipy.stats
 
     runs = runs_by_policy(trials)
     rows = []
@@ -32,3 +127,27 @@ def contrasts(trials: pd.DataFrame, settings: StatisticsSettings, seed: int) -> 
     for _, family in table.groupby("family", sort=False):
         table.loc[family.index, "holm_p"] = holm(family["paired_p"].to_numpy(dtype=float))
     return table
+
+
+CELL = ["condition", "n_cycles", "policy"]
+FIRST, SECOND = "first", "second"
+
+
+def side_by_side(first: pd.DataFrame, second: pd.DataFrame, settings: StatisticsSettings, seed: int) -> pd.DataFrame:
+    """One row per condition, length and policy that both tables have; the columns of `contrasts` and `policy`.
+
+    Runs are paired by trial, up to as many as both have: with the same seed they are in the same worlds; with
+    another one the pairs are arbitrary, which is valid, but finds less.
+    """
+    rows = []
+    for label, own, other in ((FIRST, first, second), (SECOND, second, first)):
+        shared = own[CELL].drop_duplicates().merge(other[CELL].drop_duplicates())
+        most = other.groupby(CELL)["trial"].transform("size")
+        sizes = other.assign(most=most).drop_duplicates(CELL)[[*CELL, "most", "deterministic"]]
+        both = own.merge(shared).merge(sizes, on=CELL, suffixes=("", "_there"))
+        rows.append(both[(both["trial"] < both["most"]) | both["deterministic_there"]].assign(table=label))
+    runs = pd.concat(rows, ignore_index=True)
+    runs["condition"] = runs["condition"] + "/" + runs["policy"]
+    table = contrasts(runs.assign(policy=runs["table"]), settings.model_copy(update={"families": {}}), seed)
+    cells = table["condition"].str.rsplit("/", n=1, expand=True) if len(table) else pd.DataFrame(columns=[0, 1])
+    return table.assign(condition=cells[0], policy=cells[1])

@@ -6,9 +6,8 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from fatigue_planner.core.settings import Settings
+from fatigue_planner.core.settings import Settings, load_data
 from fatigue_planner.human.anthropometry import Sex
-from fatigue_planner.human.data_files import load_data
 from fatigue_planner.human.model import GRAVITY_MPS2, Worker
 
 FILE = Path(__file__).parent / "data" / "references.yaml"

@@ -12,14 +12,12 @@ from pydantic import ValidationError
 from fatigue_planner.core.errors import StaleTableError
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
-from fatigue_planner.output.reports.html.labels import percent, percent_range, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, percent_range, significant
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
 from fatigue_planner.study.statistics.contrast import Contrast
-from fatigue_planner.study.statistics.rows import records
-from fatigue_planner.study.statistics.side_by_side import side_by_side
+from fatigue_planner.study.statistics.pairing import records, side_by_side
 
 # Of what the manifest says, these are not settings of the experiment.
 IRRELEVANT = ("figures",)

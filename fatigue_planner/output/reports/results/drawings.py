@@ -15,12 +15,11 @@ from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.returns import returns_figure
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure
-from fatigue_planner.output.reports.html.blocks import Picture
-from fatigue_planner.output.reports.html.labels import listing, percent, significant
+from fatigue_planner.output.reports.html.blocks import Picture, listing, percent, significant
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.statistics.comparison import STARS
-from fatigue_planner.study.statistics.rows import cells_of, records
+from fatigue_planner.study.statistics.pairing import cells_of, records
 
 # The joint at the near end of each body, where its load is drawn.
 JOINT_OF = {joint.child: joint.name for joint in JOINTS}

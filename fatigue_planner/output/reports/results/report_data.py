@@ -15,8 +15,7 @@ from fatigue_planner.study.benchmark.replay import Course
 from fatigue_planner.study.benchmark.results import Results
 from fatigue_planner.study.statistics.comparison import comparison_table
 from fatigue_planner.study.statistics.contrasts import contrasts
-from fatigue_planner.study.statistics.gaps import gap_table
-from fatigue_planner.study.statistics.regret import regret_table
+from fatigue_planner.study.statistics.regret import gap_table, regret_table
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,21 @@ from collections import Counter
 import pandas as pd
 
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Picture, Points, Section, Table, Text
-from fatigue_planner.output.reports.html.labels import listing, significant
+from fatigue_planner.output.reports.html.blocks import (
+    Block,
+    Picture,
+    Points,
+    Section,
+    Table,
+    Text,
+    listing,
+    significant,
+)
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.study.claims.answers import VERDICTS
 from fatigue_planner.study.sensitivity.conclusions import at_headline, percent
 from fatigue_planner.study.sensitivity.robustness import ANALYSES
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 LONGEST_REASON = 240
 WIDEST = 3  # settings that the words for a tornado chart name

@@ -4,12 +4,11 @@ import pandas as pd
 
 from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section
-from fatigue_planner.output.reports.html.labels import listing, percent
+from fatigue_planner.output.reports.html.blocks import Section, listing, percent
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.output.reports.results.report_data import Material
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
-from fatigue_planner.study.statistics.rows import groups_of
+from fatigue_planner.study.statistics.pairing import groups_of
 
 
 def actions_section(material: Material, gallery: Gallery) -> Section:

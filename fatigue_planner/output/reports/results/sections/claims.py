@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from fatigue_planner.output.reports.html.blocks import Section, Table, Text
-from fatigue_planner.output.reports.html.labels import listing
+from fatigue_planner.output.reports.html.blocks import Section, Table, Text, listing
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.study.claims.answers import VERDICTS
 from fatigue_planner.study.claims.evaluation import Evaluation
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 
 def claims_section(evaluation: Evaluation, file: Path, gallery: Gallery) -> Section:

@@ -4,8 +4,7 @@ import numpy as np
 
 from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section
-from fatigue_planner.output.reports.html.labels import listing, percent
+from fatigue_planner.output.reports.html.blocks import Section, listing, percent
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.output.reports.results.report_data import Material
 

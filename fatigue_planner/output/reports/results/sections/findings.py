@@ -5,11 +5,11 @@ from collections import Counter
 import pandas as pd
 
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.labels import counted, listing, percent, percent_range
+from fatigue_planner.output.reports.html.blocks import counted, listing, percent, percent_range
 from fatigue_planner.output.reports.results.report_data import Material
 from fatigue_planner.output.reports.results.sections.losses import most_to_win
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
-from fatigue_planner.study.statistics.rows import cells_of, records
+from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
 def findings(material: Material) -> list[str]:

@@ -5,13 +5,12 @@ from typing import Any
 
 from fatigue_planner.output.figures.regret import regret_figure
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
-from fatigue_planner.output.reports.html.labels import listing, percent, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, listing, percent, significant
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.output.reports.results.report_data import Material
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.statistics.rows import cells_of, groups_of, records
+from fatigue_planner.study.statistics.pairing import cells_of, groups_of, records
 
 HOW = "Not measured: `fatplan benchmark --regret --bound` adds it."
 

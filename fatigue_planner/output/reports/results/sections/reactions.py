@@ -10,13 +10,12 @@ from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.torques import entry_label, torque_table
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
-from fatigue_planner.output.reports.html.labels import percent, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, significant
 from fatigue_planner.output.reports.results.drawings import draw_reactions
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.output.reports.results.report_data import Material
 from fatigue_planner.reactions.reaction import ReactionName
-from fatigue_planner.study.statistics.rows import records
+from fatigue_planner.study.statistics.pairing import records
 
 LARGEST = 5  # entries of each reaction in the tables
 

@@ -4,13 +4,12 @@ import pandas as pd
 
 from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
 from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Text
-from fatigue_planner.output.reports.html.labels import counted, listing, percent, percent_range
+from fatigue_planner.output.reports.html.blocks import Block, Section, Text, counted, listing, percent, percent_range
 from fatigue_planner.output.reports.results.drawings import draw_returns
 from fatigue_planner.output.reports.results.figure_folder import Gallery
 from fatigue_planner.output.reports.results.report_data import Material
 from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
-from fatigue_planner.study.statistics.rows import cells_of, records
+from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
 def returns_section(material: Material, gallery: Gallery) -> Section:

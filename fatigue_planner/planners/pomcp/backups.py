@@ -1,15 +1,53 @@
-"""The exact backup: the max backup with the known chances of the outcomes in place of their frequencies."""
+"""How values go up the tree: the mean backup (POMCP), the max backup (POMCP-Max) and the exact one."""
 
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.jit import inlined
-from fatigue_planner.planners.pomcp.backups.max import best_value
+from fatigue_planner.core.jit import inlined, inlined_for_any_problem
 from fatigue_planner.planners.pomcp.buffers import Numbers, Room
 from fatigue_planner.planners.pomcp.search import Node
 from fatigue_planner.planners.pomcp.tree import UNVISITED
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability
+
+
+@inlined_for_any_problem
+def expect_nothing(_arrays: Any, _node: Node, _action: int, _room: Room, _certain: bool) -> None:
+    """A backup by sampled rewards needs nothing beforehand."""
+
+
+@inlined
+def back_up_mean(_nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+    """POMCP: Q(h, a) = mean of the discounted returns of the descents through it, which are passed on as they are."""
+    node.value[action] += (target - node.value[action]) * numbers.inverse[node.tried[action]]
+    return target
+
+
+@inlined
+def best_value(node: Node) -> float:
+    """V(h): the best of the actions tried; an action not yet tried does not count as 0."""
+    best = -np.inf
+    for action in range(node.value.size):
+        if node.tried[action] > 0:
+            best = max(best, node.value[action])
+    return best
+
+
+@inlined
+def back_up_max(_nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+    """POMCP-Max: Q(h, a) = mean reward + gamma * mean over the visits of the successors' current V.
+
+    MaxUCT (Keller & Helmert 2013) on histories (paper, section III-D).
+    V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value. N visits of value V count N V in
+    the sum over the visits, so what a node passes on is by how much that has changed: with the target
+    r + gamma (N V - N' V'), the mean over the targets is Q without a look at the other successors.
+    """
+    node.value[action] += (target - node.value[action]) * numbers.inverse[node.tried[action]]
+    before, after = node.best, best_value(node)
+    node.best = after
+    return float(node.visited * after - (node.visited - 1) * before)
+
 
 # Whether the observation always tells the outcome.
 TELLING = False
@@ -45,6 +83,7 @@ def expect_outcomes(arrays: Any, node: Node, action: int, room: Room, certain: b
 def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, numbers: Numbers) -> float:
     """Q(h, a) = expected reward + gamma * expected V of the successors known, by their chances.
 
+    The max backup with the known chances of the outcomes in place of their frequencies.
     V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value. Nothing need be passed on.
     """
     future, known = 0.0, 0.0

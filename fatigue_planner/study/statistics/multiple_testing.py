@@ -1,11 +1,29 @@
-"""Which comparisons a table of trials and the families of an experiment come to."""
+"""Families of comparisons, and the correction of their p-values for how many they are (Holm)."""
 
 from dataclasses import dataclass
 from itertools import combinations
 
+import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from fatigue_planner.experiment.statistics_settings import Family
+
+Vector = NDArray[np.float64]
+
+
+def holm(p_values: Vector) -> Vector:
+    """Holm's (1979) step-down correction (m,): the chance of any false rejection in the family stays below the level.
+
+    NaN is no comparison: it stays NaN and does not count.
+    """
+    corrected = np.full(len(p_values), np.nan)
+    there = np.flatnonzero(~np.isnan(p_values))
+    order = there[np.argsort(p_values[there], kind="stable")]
+    steps = np.arange(len(order), 0, -1)
+    corrected[order] = np.minimum(1.0, np.maximum.accumulate(steps * p_values[order]))
+    return corrected
+
 
 CELL_AND_POLICY = ("condition", "n_cycles", "policy")
 # The family of an experiment that names none: all pairs of policies in all conditions and lengths.

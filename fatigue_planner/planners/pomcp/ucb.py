@@ -1,0 +1,48 @@
+"""UCB1: which action a descent chooses in a node, with a fixed or a scaled exploration constant."""
+
+import numpy as np
+
+from fatigue_planner.core.jit import inlined
+from fatigue_planner.planners.pomcp.buffers import TINY, Numbers
+from fatigue_planner.planners.pomcp.search import Node
+
+
+@inlined
+def ucb1(node: Node, scale: float, numbers: Numbers) -> int:
+    """The first action not tried yet, else the first with the best value + scale * sqrt(log N(h) / N(h, a)).
+
+    The tables make the score of an action not tried infinite; `scale` must not be 0 (see `buffers.TINY`).
+    """
+    width = scale * numbers.root_log[node.visited - 1]
+    best, best_score = 0, -np.inf
+    for action in range(node.value.size):
+        score = node.value[action] + width * numbers.inverse_root[node.tried[action]]
+        if score > best_score:
+            best, best_score = action, score
+    return best
+
+
+@inlined
+def select_fixed(node: Node, numbers: Numbers) -> int:
+    """UCB1 with the constant as it is (paper, section III-D)."""
+    return ucb1(node, numbers.exploration_constant, numbers)
+
+
+@inlined
+def note_nothing(_node: Node, _gained: float) -> None:
+    """A fixed constant needs nothing of the returns."""
+
+
+@inlined
+def select_scaled(node: Node, numbers: Numbers) -> int:
+    """UCB1 with c times the standard deviation of the returns through the node, which fits any unit of reward."""
+    deviation = np.sqrt(node.spread * numbers.inverse[max(node.visited - 1, 1)])
+    return ucb1(node, max(numbers.exploration_constant * deviation, TINY), numbers)
+
+
+@inlined
+def note_spread(node: Node, gained: float) -> None:
+    """Welford's running mean and sum of squared deviations; visited - 1 returns have been seen."""
+    difference = gained - node.average
+    node.average += difference / (node.visited - 1)
+    node.spread += difference * (gained - node.average)
