@@ -58,7 +58,7 @@ def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tup
     total, told = 0.0, []
     for cycle in range(cycles):
         action = policy.act(belief, rng).action
-        state, heard, reward = PROBLEM.happen(state, action, rng)
+        state, heard, reward = PROBLEM.sample_step(state, action, rng)
         policy.observe(action, heard)
         belief = belief.update(action, heard, rng)
         total += PROBLEM.discount**cycle * reward

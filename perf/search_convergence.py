@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, situation
+from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.output.figures.style import COLOURS, MARKERS, new_figure, publish_png
 from fatigue_planner.planners.lookahead import LookaheadPolicy
@@ -69,7 +69,7 @@ def single_novice() -> ExactBelief:
     paper = load_experiment(ROOT / "experiments" / "paper.yaml")
     ReactionCache(ROOT / "cache").complete(reaction_requests(paper), LocalProcesses(available_cores()), lambda _: None)
     profiles = load_cycle_profiles(paper, ROOT / "cache", "fatplan simulate")
-    one = situation(paper, profiles, paper.benchmark.conditions["single_novice"])
+    one = scenario(paper, profiles, paper.benchmark.conditions["single_novice"])
     model = replace(one.model, arrays=Ending(one.model.arrays, CYCLES), dynamics=ENDING)
     return ExactBelief(model, np.pad(one.states, [(0, 0), (0, 1)]), one.weights)
 

@@ -21,7 +21,7 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 import numpy as np
 
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
-from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, situation
+from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
@@ -131,7 +131,7 @@ def searches(paper: Experiment) -> None:
     ReactionCache(CACHE).complete(requests, LocalProcesses(CORES), lambda _: None)
     profiles = load_cycle_profiles(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
-        one = situation(paper, profiles, paper.benchmark.conditions[condition])
+        one = scenario(paper, profiles, paper.benchmark.conditions[condition])
         belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
         for settings in paper.benchmark.policies.values():
             decide(belief, settings)

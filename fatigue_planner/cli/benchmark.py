@@ -37,7 +37,7 @@ from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, 
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
 from fatigue_planner.study.benchmark.job import Job
-from fatigue_planner.study.benchmark.regret import Judgement
+from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 from fatigue_planner.study.benchmark.tables import (
@@ -131,7 +131,7 @@ def benchmark(
     if bound:
         gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", executor))
         publish_bounds(folder, gaps)
-        hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.situation.prior is not None)
+        hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.scenario.prior is not None)
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
     for file in {REGRET_FILE, BOUNDS_FILE} - set(files):
@@ -193,14 +193,14 @@ def _measure_regret(
     executor: Executor,
 ) -> pd.DataFrame:
     judgements = [
-        Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
+        RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
     return regret_rows(grid, _run(judgements, store, executor, "Measuring regret", "judged runs"))
 
 
 def _run_bounds(cells: Sequence[Cell], store: Path, executor: Executor) -> pd.DataFrame:
-    places = {(cell.condition, cell.n_cycles) for cell in cells if cell.situation.prior is None}
+    places = {(cell.condition, cell.n_cycles) for cell in cells if cell.scenario.prior is None}
     with progress("Bounding the least cost", len(places), kept=("bounds", store)) as counter:
         bounds, warnings = run_bounds(cells, writable_folder(store), executor, counter.advance)
     warn(warnings)

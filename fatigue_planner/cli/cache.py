@@ -13,8 +13,8 @@ from fatigue_planner.cli.json_output import (
     CacheMisses,
     CacheRubbish,
     CheckedReaction,
-    ExportedBundle,
-    ImportedBundle,
+    ExportedArchive,
+    ImportedArchive,
     ImportedReaction,
     KeyDifference,
     MissingReaction,
@@ -39,15 +39,15 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.output.reports.html.blocks import counted
-from fatigue_planner.reactions.archive import export_bundle, import_bundle
+from fatigue_planner.reactions.archive import export_archive, import_archive
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.cache_miss import Miss, explain
 from fatigue_planner.reactions.housekeeping import Contents, contents, useless
-from fatigue_planner.reactions.verify import Audit, audit
+from fatigue_planner.reactions.verify import Verification, verify_entry
 
 app = typer.Typer(help="Look after the cache of reactions.", no_args_is_help=True)
 
-LONGEST_VALUE = 40
+MAX_VALUE_LENGTH = 40
 BundleFile = Annotated[Path, typer.Argument(metavar="BUNDLE", help="The file with the reactions (ZIP).")]
 
 
@@ -81,8 +81,12 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: 
         raise MissingReactionsError(f"{cache}: no reaction there. Run `fatplan simulate` first.")
     checked: dict[int, CheckedReaction] = {}
     with progress("Checking reactions", len(files)) as counter:
-        for place, result in LocalProcesses(jobs).run(audit, files):
-            one = result if isinstance(result, Audit) else Audit(files[place], "failed", reason=result.reason)
+        for place, result in LocalProcesses(jobs).run(verify_entry, files):
+            one = (
+                result
+                if isinstance(result, Verification)
+                else Verification(files[place], "failed", reason=result.reason)
+            )
             name = None if one.name is None else str(one.name)
             verdict = "damaged" if one.damaged else one.verdict or "other version"
             checked[place] = CheckedReaction(one.path.name, name, verdict, one.reason)
@@ -147,8 +151,8 @@ def export(
 ) -> None:
     """Put the reactions of an EXPERIMENT into one file, for another machine with the same versions."""
     requests = reaction_requests(load_experiment(experiment))
-    n = export_bundle(ReactionCache(cache), requests, bundle, command_line("simulate", experiment, cache))
-    document = ExportedBundle(bundle, n, bundle.stat().st_size)
+    n = export_archive(ReactionCache(cache), requests, bundle, command_line("simulate", experiment, cache))
+    document = ExportedArchive(bundle, n, bundle.stat().st_size)
     present(document, f"{bundle}: {counted(n, 'reaction')}, {_megabytes(document.size_bytes)}.", as_json)
 
 
@@ -160,7 +164,7 @@ def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Jso
     not have been. Exit code 3 if some are refused.
     """
     store = ReactionCache(cache)
-    found = [ImportedReaction(one.member, one.path, one.new, one.refused) for one in import_bundle(bundle, store)]
+    found = [ImportedReaction(one.member, one.path, one.new, one.refused) for one in import_archive(bundle, store)]
     warn(store.damaged)
     taken, refused = sum(one.new for one in found), sum(bool(one.refused) for one in found)
     lines = [
@@ -168,7 +172,7 @@ def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Jso
         for one in found
     ]
     summary = f"{cache}: {taken} taken, {len(found) - taken - refused} there already, {refused} refused."
-    present(ImportedBundle(cache, found, taken, refused), "\n".join([*lines, summary]), as_json)
+    present(ImportedArchive(cache, found, taken, refused), "\n".join([*lines, summary]), as_json)
     if refused:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
@@ -243,7 +247,7 @@ def _part(one: KeyDifference) -> str:
 
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value)
-    return text if len(text) <= LONGEST_VALUE else f"{text[:LONGEST_VALUE]}…"
+    return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}…"
 
 
 def _megabytes(size_bytes: int) -> str:

@@ -11,7 +11,7 @@ from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.core.files import publish_text, writable_folder
 from fatigue_planner.output.reports.results.compare import compare as compared
 from fatigue_planner.output.reports.results.compare import compare_page, compare_text
-from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.statistics.pairing import records
 
 
@@ -32,10 +32,10 @@ def compare(
     found = compared(first, second)
     text, files = compare_text(found), []
     if save is not None:
-        gallery = Gallery(writable_folder(save.parent))
-        publish_text(save, compare_page(found, gallery, save.stem))
-        files = [save, gallery.files[0]]
-        text += f"\n{save}, {gallery.files[0]}"
+        figures = FigureFolder(writable_folder(save.parent))
+        publish_text(save, compare_page(found, figures, save.stem))
+        files = [save, figures.files[0]]
+        text += f"\n{save}, {figures.files[0]}"
     document = SideBySide(
         folders=found.names,
         settings=found.settings,

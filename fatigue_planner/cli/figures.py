@@ -33,16 +33,16 @@ def figures(
     """
     settings = load_experiment(experiment)
     from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
-    from fatigue_planner.output.reports.results.figure_folder import Gallery  # noqa: PLC0415
+    from fatigue_planner.output.reports.results.figure_folder import FigureFolder  # noqa: PLC0415
 
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
-    gallery = Gallery(results / settings.name)
+    drawn = FigureFolder(results / settings.name)
     if settings.figures:
-        tables = load_results(settings, gallery.folder, command_line("benchmark", experiment, cache, results))
-        draw_returns(gallery, settings, comparison_table(tables.trials, settings.statistics.significance_level))
-    writable_folder(gallery.folder)
-    draw_reactions(gallery, settings, reactions, worker_fatigue(settings))
+        tables = load_results(settings, drawn.folder, command_line("benchmark", experiment, cache, results))
+        draw_returns(drawn, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+    writable_folder(drawn.folder)
+    draw_reactions(drawn, settings, reactions, worker_fatigue(settings))
     note = {"reactions": digests(reaction_requests(settings))}
-    hashes = publish_manifest(gallery.folder, "figures", note, gallery.files)
-    pictures = [f"{path} (and .svg, .csv)" for path in gallery.files if path.suffix == ".png"]
-    present(FilesOf(gallery.folder, hashes), "\n".join(pictures), as_json)
+    hashes = publish_manifest(drawn.folder, "figures", note, drawn.files)
+    pictures = [f"{path} (and .svg, .csv)" for path in drawn.files if path.suffix == ".png"]
+    present(FilesOf(drawn.folder, hashes), "\n".join(pictures), as_json)

@@ -271,7 +271,7 @@ class CacheRubbish:
 
 
 @dataclass(frozen=True)
-class ExportedBundle:
+class ExportedArchive:
     """`fatplan cache export`."""
 
     file: Path
@@ -290,7 +290,7 @@ class ImportedReaction:
 
 
 @dataclass(frozen=True)
-class ImportedBundle:
+class ImportedArchive:
     """`fatplan cache import`."""
 
     folder: Path

@@ -36,9 +36,9 @@ def report(
     begin = time.perf_counter()
     settings = load_experiment(experiment)
     from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.output.reports.results.figure_folder import Gallery  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.output.reports.results.figure_folder import FigureFolder  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.output.reports.results.report import report  # noqa: PLC0415
-    from fatigue_planner.output.reports.results.report_data import Material  # noqa: PLC0415
+    from fatigue_planner.output.reports.results.report_data import ReportData  # noqa: PLC0415
     from fatigue_planner.output.reports.study.finished import study_of  # noqa: PLC0415
 
     simulate = command_line("simulate", experiment, cache)
@@ -47,17 +47,17 @@ def report(
     folder = results / settings.name
     tables = load_results(settings, folder, benchmark)
     grid = cells(settings, cycle_profiles(settings, reactions))
-    material = Material(settings, reactions, grid, tables, courses(grid, tables, folder))
-    gallery = Gallery(folder)
+    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, folder))
+    figures = FigureFolder(folder)
     path = folder / REPORT_FILE
     study = study_of(settings, results)
     commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
-    publish_text(path, report(material, gallery, experiment, commands, study))
+    publish_text(path, report(report_data, figures, experiment, commands, study))
     note = {"reactions": digests(reaction_requests(settings))}
-    hashes = publish_manifest(folder, "report", note, [*gallery.files, path])
+    hashes = publish_manifest(folder, "report", note, [*figures.files, path])
     size = path.stat().st_size / 1e6
     text = (
-        f"{path}: {size:.1f} MB; {len(gallery.files)} files of figures and data beside it "
+        f"{path}: {size:.1f} MB; {len(figures.files)} files of figures and data beside it "
         f"({time.perf_counter() - begin:.1f} s)."
     )
     present(FilesOf(folder, hashes), text, as_json)

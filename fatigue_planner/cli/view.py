@@ -22,11 +22,11 @@ from fatigue_planner.core.files import publish_text, writable_folder
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.output.viewer.motion_clip import Performance, performance_of
+from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.study.benchmark.selection import choose
 
-MOST_UNASKED = 12  # reactions shown if none is named: 3 minutes
+MAX_UNASKED = 12  # reactions shown if none is named: 3 minutes
 SUFFIXES = (".html", ".png")
 
 
@@ -58,44 +58,42 @@ def view(
     if at and kind != ".png":
         raise SelectionError(f"--at {at[0]:g}: only for the poses of a .png; the page shows the whole cycle.")
     writable_folder(path.parent)
-    performances = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
+    clips = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
         from fatigue_planner.output.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
         from fatigue_planner.output.viewer.filmstrip import strip  # noqa: PLC0415
 
-        _check_times(at or [], performances)
-        figure = strip(performances, at or [])
+        _check_times(at or [], clips)
+        figure = strip(clips, at or [])
         publish_png(path, figure)
     else:
         from fatigue_planner.output.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
 
-        many = f"{len(performances)} reactions" if len(performances) > 1 else "1 reaction"
+        many = f"{len(clips)} reactions" if len(clips) > 1 else "1 reaction"
         talk().print(f"Recording {many}, some 3 s each ...", markup=False)
-        publish_text(path, page(performances))
-    size, shown = path.stat().st_size / 1e6, ", ".join(performance.title for performance in performances)
+        publish_text(path, page(clips))
+    size, shown = path.stat().st_size / 1e6, ", ".join(clip.title for clip in clips)
     typer.echo(f"{path}: {shown}; {size:.1f} MB ({time.perf_counter() - begin:.1f} s).")
     if save is None and not webbrowser.open(path.resolve().as_uri()):
         typer.echo(f"No browser found; open {path} in one.")
 
 
-def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, command: str) -> list[Performance]:
+def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, command: str) -> list[MotionClip]:
     """The reactions to show, in the experiment's order. Raises SelectionError for a name it does not have."""
     requests = reaction_requests(settings)
     known = [str(request.name) for request in requests]
-    chosen = choose("reaction", known, wanted) if wanted else known[:MOST_UNASKED]
-    if not wanted and len(known) > MOST_UNASKED:
-        talk().print(
-            f"The first {MOST_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False
-        )
+    chosen = choose("reaction", known, wanted) if wanted else known[:MAX_UNASKED]
+    if not wanted and len(known) > MAX_UNASKED:
+        talk().print(f"The first {MAX_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False)
     shown = [request for request in requests if str(request.name) in chosen]
     names = [request.name for request in shown]
     reactions = ReactionCache(cache).stream(requests, command, names)
-    return [performance_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
+    return [motion_clip_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
 
 
-def _check_times(times_s: Sequence[float], performances: Sequence[Performance]) -> None:
+def _check_times(times_s: Sequence[float], clips: Sequence[MotionClip]) -> None:
     """Raise SelectionError for a time outside the cycle."""
-    end = min(performance.duration_s for performance in performances)
+    end = min(clip.duration_s for clip in clips)
     for time_s in times_s:
         if not 0 <= time_s <= end:
             raise SelectionError(f"--at {time_s:g}: outside the cycle, which lasts from 0 to {end:g} s.")

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from enum import IntEnum
 
 # So much of a value, and so many of a list, is shown in a message.
-LONGEST_SHOWN = 60
-MOST_LISTED = 50
+MAX_SHOWN_LENGTH = 60
+MAX_LISTED = 50
 
 
 class ExitCode(IntEnum):
@@ -53,7 +53,7 @@ class MissingReactionsError(FatplanError):
     """The reactions an experiment needs have not been simulated."""
 
 
-class BundleError(FatplanError):
+class ArchiveError(FatplanError):
     """A file is not a bundle of reactions."""
 
 
@@ -116,17 +116,17 @@ class DamagedFileError(FatplanError):
 def shortened(value: object) -> str:
     """A value as a message shows it: as Python writes it, control characters escaped, its beginning if it is long."""
     if isinstance(value, str):
-        value = value[: LONGEST_SHOWN + 1]
+        value = value[: MAX_SHOWN_LENGTH + 1]
     elif isinstance(value, tuple | list):
-        value = list(value[:LONGEST_SHOWN])
+        value = list(value[:MAX_SHOWN_LENGTH])
     elif isinstance(value, dict):
-        value = dict(list(value.items())[:LONGEST_SHOWN])
+        value = dict(list(value.items())[:MAX_SHOWN_LENGTH])
     text = repr(value)
-    return text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…"
+    return text if len(text) <= MAX_SHOWN_LENGTH else f"{text[:MAX_SHOWN_LENGTH]}…"
 
 
 def listed(items: Iterable[object]) -> str:
     """Items with commas between them; of many the first."""
     texts = [str(item) for item in items]
-    shown = [text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…" for text in texts[:MOST_LISTED]]
-    return ", ".join(shown) + (f", … ({len(texts)} in all)" if len(texts) > MOST_LISTED else "")
+    shown = [text if len(text) <= MAX_SHOWN_LENGTH else f"{text[:MAX_SHOWN_LENGTH]}…" for text in texts[:MAX_LISTED]]
+    return ", ".join(shown) + (f", … ({len(texts)} in all)" if len(texts) > MAX_LISTED else "")

@@ -134,13 +134,13 @@ def canonical_json(value: Any) -> str:
     return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
-def publish_sealed(path: Path, content: Mapping[str, Any]) -> None:
+def publish_with_checksum(path: Path, content: Mapping[str, Any]) -> None:
     """Publish JSON values with the SHA-256 of what they say. Raises OutputFolderError if they cannot be written."""
     publish_text(path, _sealed(content))
 
 
-def read_sealed(path: Path) -> dict[str, Any] | None:
-    """What `publish_sealed` wrote, or None if the file is not exactly that."""
+def read_with_checksum(path: Path) -> dict[str, Any] | None:
+    """What `publish_with_checksum` wrote, or None if the file is not exactly that."""
     try:
         text = path.read_text(encoding="utf-8")
         content: dict[str, Any] = json.loads(text)

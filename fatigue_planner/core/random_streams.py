@@ -16,14 +16,14 @@ from fatigue_planner.core.files import canonical_json
 Vector = NDArray[np.float64]
 
 
-def stream(seed: int, *key: str | int) -> np.random.Generator:
+def random_stream(seed: int, *key: str | int) -> np.random.Generator:
     """The generator of a purpose: equal keys give equal draws on every machine and in any order."""
     digest = hashlib.sha256(canonical_json([seed, *key]).encode()).digest()
     return np.random.default_rng(np.random.SeedSequence(int.from_bytes(digest)))
 
 
 @dataclass(frozen=True)
-class World:
+class RandomNumbers:
     """Uniform draws in [0, 1) for the worker (3,), the start and every cycle."""
 
     worker: Vector
@@ -32,12 +32,12 @@ class World:
     observation: Vector
 
 
-def draw_world(seed: int, condition: str, n_cycles: int, trial: int) -> World:
+def draw_random_numbers(seed: int, condition: str, n_cycles: int, trial: int) -> RandomNumbers:
     """The world of a trial, the same for every policy."""
     key = (condition, n_cycles, trial)
-    return World(
-        stream(seed, "worker", *key).random(3),
-        float(stream(seed, "start", *key).random()),
-        stream(seed, "preference", *key).random(n_cycles),
-        stream(seed, "observation", *key).random(n_cycles),
+    return RandomNumbers(
+        random_stream(seed, "worker", *key).random(3),
+        float(random_stream(seed, "start", *key).random()),
+        random_stream(seed, "preference", *key).random(n_cycles),
+        random_stream(seed, "observation", *key).random(n_cycles),
     )

@@ -12,11 +12,11 @@ from fatigue_planner.core.yaml_reader import read_yaml
 
 T = TypeVar("T")
 
-LONGEST_NAME = 40
+MAX_NAME_LENGTH = 40
 # More faults of a data file help nobody.
-MOST_FAULTS = 20
+MAX_FAULTS = 20
 # What files, columns and folders can be called.
-Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{LONGEST_NAME - 1}}}$")]
+Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{MAX_NAME_LENGTH - 1}}}$")]
 # Seeds beyond it differ between programs that read the JSON of a manifest.
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
@@ -39,7 +39,7 @@ def load_data(path: Path, kind: type[T]) -> T:
     try:
         return TypeAdapter(kind).validate_python(read_yaml(path, DataFileError), strict=True)
     except ValidationError as error:
-        faults = "; ".join(_described(fault) for fault in error.errors(include_url=False)[:MOST_FAULTS])
+        faults = "; ".join(_described(fault) for fault in error.errors(include_url=False)[:MAX_FAULTS])
         raise DataFileError(f"{path}: {faults}") from error
 
 

@@ -8,13 +8,13 @@ from typing import Any, NoReturn
 
 import yaml
 
-from fatigue_planner.core.errors import LONGEST_SHOWN, FatplanError, shortened
+from fatigue_planner.core.errors import MAX_SHOWN_LENGTH, FatplanError, shortened
 
 # A file of ours has some kilobytes and hundreds of values. The limits keep every file readable within half a second.
-LARGEST_FILE_BYTES = 500_000
-MOST_VALUES = 10_000
+MAX_FILE_BYTES = 500_000
+MAX_VALUES = 10_000
 DEEPEST = 40
-MOST_DIGITS = 30
+MAX_DIGITS = 30
 
 _STR, _INT, _FLOAT = (f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float"))
 # Resolved as in PyYAML; numbers have rules of their own, and dates, merge keys and = are text to us.
@@ -38,8 +38,8 @@ class _StrictLoader(yaml.SafeLoader):
         self._depth, self._values = self._depth + 1, self._values + 1
         if self._depth > DEEPEST:
             _refuse(f"nested more than {DEEPEST} deep", event)
-        if self._values > MOST_VALUES:
-            _refuse(f"more than {MOST_VALUES} keys and values; this is not one of ours", event)
+        if self._values > MAX_VALUES:
+            _refuse(f"more than {MAX_VALUES} keys and values; this is not one of ours", event)
         node = super().compose_node(parent, index)
         self._depth -= 1
         return node
@@ -50,7 +50,7 @@ class _StrictLoader(yaml.SafeLoader):
             if key_node.tag != _STR:
                 written = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a list or mapping"
                 _refuse(
-                    f"key {written[:LONGEST_SHOWN] or '(nothing)'} is not text; put it in quotes if it is a name",
+                    f"key {written[:MAX_SHOWN_LENGTH] or '(nothing)'} is not text; put it in quotes if it is a name",
                     key_node,
                 )
             key = self.construct_object(key_node, deep=True)
@@ -75,8 +75,8 @@ def _text(_loader: _StrictLoader, node: yaml.ScalarNode) -> str:
 
 
 def _whole_number(_loader: _StrictLoader, node: yaml.ScalarNode) -> int:
-    if len(node.value) > MOST_DIGITS:
-        _refuse(f"{node.value[:MOST_DIGITS]}… is a number of {len(node.value)} digits; at most {MOST_DIGITS}", node)
+    if len(node.value) > MAX_DIGITS:
+        _refuse(f"{node.value[:MAX_DIGITS]}… is a number of {len(node.value)} digits; at most {MAX_DIGITS}", node)
     return int(node.value)
 
 
@@ -88,7 +88,7 @@ def _number(_loader: _StrictLoader, node: yaml.ScalarNode) -> float:
     number = float(text)
     lost = number == 0 and re.search("[1-9]", re.split("[eE]", text)[0]) is not None
     if math.isinf(number) or lost:
-        _refuse(f"{text[:LONGEST_SHOWN]} is too {'small' if lost else 'large'} a number", node)
+        _refuse(f"{text[:MAX_SHOWN_LENGTH]} is too {'small' if lost else 'large'} a number", node)
     return number
 
 
@@ -138,11 +138,11 @@ def _read_text(path: Path, error_type: type[FatplanError]) -> str:
             reason = "is not a file" if path.exists() else "No such file"
             raise error_type(f"{path.absolute()}: cannot be read ({reason}).")
         with path.open("rb") as file:
-            content = file.read(LARGEST_FILE_BYTES + 1)
+            content = file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         raise error_type(f"{path}: cannot be read ({error.strerror}).") from error
-    if len(content) > LARGEST_FILE_BYTES:
-        raise error_type(f"{path}: is larger than {LARGEST_FILE_BYTES} bytes; this is not one of ours.")
+    if len(content) > MAX_FILE_BYTES:
+        raise error_type(f"{path}: is larger than {MAX_FILE_BYTES} bytes; this is not one of ours.")
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -13,7 +13,7 @@ from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.pomdp.beliefs.registry import fitting
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
-from fatigue_planner.pomdp.scenario import Situation, average_worker
+from fatigue_planner.pomdp.scenario import Scenario, average_worker
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
@@ -71,7 +71,7 @@ def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction]) -> dic
     }
 
 
-def situation(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Situation:
+def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Scenario:
     """The POMDP of a condition, where it starts and what is hidden."""
     worker = experiment.worker_of(condition)
     own = {(name.action, name.preference): profile for name, profile in profiles.items() if name.worker == worker}
@@ -92,6 +92,6 @@ def situation(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfi
         tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations
     )
     weights = np.array([state.probability for state in start])
-    belief = experiment.belief or fitting(model.telling, prior)
+    belief = experiment.belief or fitting(model.observation_reveals_outcome, prior)
     states = np.array([model.state(one) for one in fatigue])
-    return Situation(model, states, weights / weights.sum(), prior, belief)
+    return Scenario(model, states, weights / weights.sum(), prior, belief)

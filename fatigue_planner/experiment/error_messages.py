@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from fatigue_planner.core.errors import LONGEST_SHOWN, listed, shortened
-from fatigue_planner.core.settings import LONGEST_NAME, Settings
+from fatigue_planner.core.errors import MAX_SHOWN_LENGTH, listed, shortened
+from fatigue_planner.core.settings import MAX_NAME_LENGTH, Settings
 from fatigue_planner.experiment.error_location import kinds_of, locate
 
 # More faults than these help nobody, and to describe thousands takes long.
-MOST_FAULTS = 50
-_MOST_CONSIDERED = 4 * MOST_FAULTS
+MAX_FAULTS = 50
+_MAX_CONSIDERED = 4 * MAX_FAULTS
 # Behind the name of an entry whose name itself is wrong.
 _KEY = "[key]"
 # pydantic's words for what a YAML file should have.
@@ -22,20 +22,20 @@ _WORDS = {
     "model_attributes_type": "should be a mapping of keys and values",
     "tuple_type": "should be a list",
     "string_pattern_mismatch": "should begin with a letter and have no more than "
-    f"{LONGEST_NAME} letters (a to z), digits, _ . and -",
+    f"{MAX_NAME_LENGTH} letters (a to z), digits, _ . and -",
     "too_short": "should have at least {min_length} of them",
     "too_long": "should have at most {max_length} of them",
 }
 
 
-def fault_text(error: ValidationError, kind: type[Settings], source: str) -> str:
+def error_message(error: ValidationError, kind: type[Settings], source: str) -> str:
     """One message of all faults in settings of a kind: source, key, value, what is allowed."""
-    return told_together(source, fault_lines(error, kind))
+    return joined_errors(source, error_lines(error, kind))
 
 
-def fault_lines(error: ValidationError, kind: type[Settings], above: str = "") -> list[str]:
+def error_lines(error: ValidationError, kind: type[Settings], above: str = "") -> list[str]:
     """The faults in settings of a kind, one each; `above`: the key under which they stand in the file."""
-    considered = [_Fault(fault, kind, above) for fault in error.errors(include_url=False)[: _MOST_CONSIDERED + 1]]
+    considered = [_Fault(fault, kind, above) for fault in error.errors(include_url=False)[: _MAX_CONSIDERED + 1]]
     misspelt = {(*fault.location[:-1], fault.meant()) for fault in considered if fault.type == "extra_forbidden"}
     inside = {fault.location[:end] for fault in considered for end in range(len(fault.location))}
     # a key missing because it is misspelt, and a list too short because what is in it is wrong, tell nothing new
@@ -48,17 +48,17 @@ def fault_lines(error: ValidationError, kind: type[Settings], above: str = "") -
     return [line for fault in telling for line in fault.text().split("\n")]
 
 
-def told_together(source: str, faults: Iterable[str]) -> str:
+def joined_errors(source: str, faults: Iterable[str]) -> str:
     """One message of all faults, each on a line that names the source; of very many the first."""
     lines = list(dict.fromkeys(faults))
-    more = ["there are more faults; mend these first."] if len(lines) > MOST_FAULTS else []
-    return "\n".join(f"{source}: {fault}" for fault in lines[:MOST_FAULTS] + more)
+    more = ["there are more faults; mend these first."] if len(lines) > MAX_FAULTS else []
+    return "\n".join(f"{source}: {fault}" for fault in lines[:MAX_FAULTS] + more)
 
 
 def dotted(parts: Iterable[int | str]) -> str:
     """The path of a key as a message writes it: dots between the names, names that are no names in quotes."""
     texts = [str(part) for part in parts]
-    return ".".join(one if one.isprintable() and 0 < len(one) <= LONGEST_SHOWN else shortened(one) for one in texts)
+    return ".".join(one if one.isprintable() and 0 < len(one) <= MAX_SHOWN_LENGTH else shortened(one) for one in texts)
 
 
 class _Fault:

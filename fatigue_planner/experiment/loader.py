@@ -8,10 +8,10 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.error_messages import fault_text, told_together
-from fatigue_planner.experiment.pose_grid import expand_grids
+from fatigue_planner.experiment.error_messages import error_message, joined_errors
+from fatigue_planner.experiment.pose_grid import expand_pose_grids
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.semantic_checks import meaning_faults
+from fatigue_planner.experiment.semantic_checks import semantic_errors
 
 
 def load_experiment(path: Path) -> Experiment:
@@ -20,9 +20,9 @@ def load_experiment(path: Path) -> Experiment:
     Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, or else all of meaning.
     """
     experiment = parse_experiment(read_content(path), str(path))
-    faults = meaning_faults(experiment)
+    faults = semantic_errors(experiment)
     if faults:
-        raise ExperimentError(told_together(str(path), faults))
+        raise ExperimentError(joined_errors(str(path), faults))
     return experiment
 
 
@@ -31,9 +31,9 @@ def read_content(path: Path) -> dict[str, Any]:
     content = read_yaml(path, ExperimentError)
     if not isinstance(content, dict):
         raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
-    expanded, faults = expand_grids(content)
+    expanded, faults = expand_pose_grids(content)
     if faults:
-        raise ExperimentError(told_together(str(path), faults))
+        raise ExperimentError(joined_errors(str(path), faults))
     return expanded
 
 
@@ -42,4 +42,4 @@ def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
     try:
         return Experiment.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ExperimentError(fault_text(error, Experiment, source)) from error
+        raise ExperimentError(error_message(error, Experiment, source)) from error

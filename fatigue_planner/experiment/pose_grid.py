@@ -9,20 +9,20 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from fatigue_planner.core.errors import shortened
-from fatigue_planner.core.settings import LONGEST_NAME, Settings
-from fatigue_planner.experiment.error_messages import dotted, fault_lines
-from fatigue_planner.experiment.schema import MOST_ACTIONS
+from fatigue_planner.core.settings import MAX_NAME_LENGTH, Settings
+from fatigue_planner.experiment.error_messages import dotted, error_lines
+from fatigue_planner.experiment.schema import MAX_ACTIONS
 
 HANDS = ("right_hand", "left_hand")
 AXES = ("x", "y", "z")
-FARTHEST_M = 3.0
+MAX_DISTANCE_M = 3.0
 
 
 class Range(Settings):
     """`count` evenly spaced coordinates in m, both ends among them."""
 
-    first: float = Field(alias="from", ge=-FARTHEST_M, le=FARTHEST_M)
-    last: float = Field(alias="to", ge=-FARTHEST_M, le=FARTHEST_M)
+    first: float = Field(alias="from", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
+    last: float = Field(alias="to", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
     count: int = Field(ge=2, le=1000)
 
     def values(self) -> list[float]:
@@ -30,7 +30,7 @@ class Range(Settings):
         return [round(float(value), 5) + 0.0 for value in np.linspace(self.first, self.last, self.count)]
 
 
-def expand_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
+def expand_pose_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """The content of an experiment file with every grid of actions written out, and what is wrong with grids.
 
     Where a coordinate of a hand's position_m is a range {from, to, count}, the action becomes one action
@@ -44,7 +44,7 @@ def expand_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
     faults: list[str] = []
     for name, action in actions.items():
         try:
-            singles = _expand(name, action, MOST_ACTIONS - len(expanded))
+            singles = _expand(name, action, MAX_ACTIONS - len(expanded))
         except _GridError as error:
             faults += error.args
             singles = [(name, action)]
@@ -74,7 +74,7 @@ def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
             raise _GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
     counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
     if (size := math.prod(map(len, counts))) > room:
-        raise _GridError(f"{key}: its grid has {size} places; at most {MOST_ACTIONS} actions are allowed in all.")
+        raise _GridError(f"{key}: its grid has {size} places; at most {MAX_ACTIONS} actions are allowed in all.")
     singles = []
     for places in itertools.product(*counts):
         single = dict(action)
@@ -84,7 +84,7 @@ def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
             for hand, values in hands.items():
                 goal = single[hand]
                 single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[place]}}
-        if len(label) > LONGEST_NAME:
+        if len(label) > MAX_NAME_LENGTH:
             raise _GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
         singles.append((label, single))
     return singles
@@ -105,4 +105,4 @@ def _range(key: str, value: dict[str, Any]) -> Range:
         return Range.model_validate(value, strict=True)
     except ValidationError as error:
         example = "A range is {from: 0.3, to: 0.6, count: 5}."
-        raise _GridError(*(f"{line} {example}" for line in fault_lines(error, Range, key))) from error
+        raise _GridError(*(f"{line} {example}" for line in error_lines(error, Range, key))) from error

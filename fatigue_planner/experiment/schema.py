@@ -14,16 +14,16 @@ from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
-from fatigue_planner.motion.settings import MOST_TICKS, Accuracy, Controller, Cycle
+from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
-from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, BeliefSettings
+from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, BeliefSettings
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
 
 # What can be checked in half a second and named in one table.
-MOST_ACTIONS = 10_000
-MOST_REACTIONS = 100_000
-MOST_CELLS = 100_000
+MAX_ACTIONS = 10_000
+MAX_REACTIONS = 100_000
+MAX_CELLS = 100_000
 
 Level = Annotated[float, Field(ge=0, le=1)]
 
@@ -75,7 +75,7 @@ class Experiment(Settings):
     workers: dict[Name, Worker] = Field(min_length=1, max_length=50)
     tool: Tool
     cycle: Cycle
-    actions: dict[Name, Action] = Field(min_length=1, max_length=MOST_ACTIONS)
+    actions: dict[Name, Action] = Field(min_length=1, max_length=MAX_ACTIONS)
     preferences: dict[Name, Preference] = Field(min_length=1, max_length=100)
     controller: Controller
     accuracy: Accuracy
@@ -107,16 +107,16 @@ class Experiment(Settings):
 
     def _size_faults(self) -> Iterator[str]:
         reactions = len(self.workers) * len(self.actions) * len(self.preferences)
-        if reactions > MOST_REACTIONS:
-            yield f"actions: with all workers and preferences {reactions} reactions; at most {MOST_REACTIONS}"
+        if reactions > MAX_REACTIONS:
+            yield f"actions: with all workers and preferences {reactions} reactions; at most {MAX_REACTIONS}"
         grid = self.benchmark
-        if (size := len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)) > MOST_CELLS:
-            yield f"benchmark: {size} combinations of conditions, n_cycles and policies; at most {MOST_CELLS}"
+        if (size := len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)) > MAX_CELLS:
+            yield f"benchmark: {size} combinations of conditions, n_cycles and policies; at most {MAX_CELLS}"
         yield from _repeated("benchmark.n_cycles", grid.n_cycles)
-        if (ticks := self.cycle.duration_s / self.controller.time_step_s) > MOST_TICKS:
+        if (ticks := self.cycle.duration_s / self.controller.time_step_s) > MAX_TICKS:
             yield (
                 f"controller.time_step_s = {self.controller.time_step_s:g}: a cycle of {self.cycle.duration_s:g} s has "
-                f"{ticks:.0f} of them; at most {MOST_TICKS}"
+                f"{ticks:.0f} of them; at most {MAX_TICKS}"
             )
 
     def _initial_faults(self) -> Iterator[str]:
@@ -196,10 +196,10 @@ class Experiment(Settings):
             yield "belief.kind: exact needs reactions recognised without error; use particles"
         for name, hidden in self.hidden_workers.items():
             size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
-            if size > MOST_EXACT:
+            if size > MAX_EXACT:
                 there = "infinitely many" if math.isinf(size) else size
                 yield (
-                    f"belief.kind: exact can hold {MOST_EXACT} workers, in hidden_workers.{name} there are {there}; "
+                    f"belief.kind: exact can hold {MAX_EXACT} workers, in hidden_workers.{name} there are {there}; "
                     "use particles"
                 )
 

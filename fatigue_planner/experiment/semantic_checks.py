@@ -16,17 +16,17 @@ from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.payload import HandForce
 
 # Every place of a grid may be out of reach of every worker.
-MOST_REACH_FAULTS = 1000
+MAX_REACH_FAULTS = 1000
 
 
-def meaning_faults(experiment: Experiment) -> list[str]:
+def semantic_errors(experiment: Experiment) -> list[str]:
     """Everything that cannot be, each with its key."""
     return list(
         itertools.chain(
             _worker_faults(experiment),
             _belief_faults(experiment),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
-            itertools.islice(_reach_faults(experiment), MOST_REACH_FAULTS),
+            itertools.islice(_reach_faults(experiment), MAX_REACH_FAULTS),
         )
     )
 

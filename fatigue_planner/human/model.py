@@ -13,7 +13,7 @@ from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.anthropometry import Anthropometry, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
-from fatigue_planner.human.strength_sets import LONGEST_PATH
+from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 
 Vector = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Worker(Settings):
     height_m: float = Field(ge=1.4, le=2.1)
     mass_kg: float = Field(ge=40, le=150)
     sex: Sex
-    strength: str = Field(min_length=1, max_length=LONGEST_PATH)
+    strength: str = Field(min_length=1, max_length=MAX_PATH_LENGTH)
     natural_posture_deg: dict[str, float]
 
 

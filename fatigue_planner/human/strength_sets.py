@@ -11,9 +11,9 @@ from fatigue_planner.core.settings import Settings, load_data
 from fatigue_planner.human.skeleton import DATA, DEGREES_OF_FREEDOM, without_side
 
 STRENGTHS = DATA / "strengths"
-LONGEST_PATH = 1000
+MAX_PATH_LENGTH = 1000
 # Of files that are based on each other.
-LONGEST_CHAIN = 10
+MAX_CHAIN_LENGTH = 10
 
 Direction = Literal["positive", "negative"]
 Torque = Annotated[float, Field(gt=0, le=10_000)]
@@ -43,7 +43,7 @@ class StrengthFile(Settings):
     """
 
     population: str
-    based_on: Annotated[str, Field(max_length=LONGEST_PATH)] | None = None
+    based_on: Annotated[str, Field(max_length=MAX_PATH_LENGTH)] | None = None
     degrees_of_freedom: dict[str, Strength]
 
 
@@ -99,8 +99,8 @@ def _load(path: Path, above: tuple[Path, ...]) -> StrengthSet:
     if this in above:
         circle = " -> ".join(file.name for file in (*above[above.index(this) :], this))
         raise DataFileError(f"{path}: based_on goes round in a circle: {circle}.")
-    if len(above) >= LONGEST_CHAIN:
-        raise DataFileError(f"{path}: based_on: more than {LONGEST_CHAIN} files build on each other.")
+    if len(above) >= MAX_CHAIN_LENGTH:
+        raise DataFileError(f"{path}: based_on: more than {MAX_CHAIN_LENGTH} files build on each other.")
     content = load_data(path, StrengthFile)
     entries: dict[Entry, StrengthEntry] = {}
     if content.based_on is not None:

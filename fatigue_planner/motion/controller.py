@@ -20,7 +20,7 @@ from fatigue_planner.motion.assembly import assemble, within_limits
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.joint_limits import acceleration_bounds
-from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_either
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_with_fallback
 from fatigue_planner.motion.settings import Controller
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Task
@@ -136,13 +136,13 @@ class WholeBodyController:
         MOST_EASED_RADPS2; all others hold.
         """
         self._fill_free_program()
-        solution = solve_either(self.free)
+        solution = solve_with_fallback(self.free)
         if solution is not None:
             tick = self._tick(solution, self._not_eased)
             if within_limits(tick.torque_nm, self._lowest_torque, self._highest_torque, self._cone, tick.wrench):
                 return tick
         self.fill_whole_program()
-        solution = solve_either(self.program)
+        solution = solve_with_fallback(self.program)
         return self._eased_tick() if solution is None else self._tick(solution, self._not_eased)
 
     def _tick(self, solution: Vector, eased_radps2: Vector) -> Tick:

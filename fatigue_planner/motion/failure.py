@@ -61,7 +61,7 @@ def _too_far(body: Body) -> str:
     arm = sum(float(np.linalg.norm(link)) for link in links)
     for side, task in body.hands.items():
         shoulder = body.state.placement(body.state.frame(f"{side}_upper_arm")).translation
-        away = float(np.linalg.norm(task.reference.position_m[task.moment] - shoulder))
+        away = float(np.linalg.norm(task.reference.position_m[task.index] - shoulder))
         if away > arm:
             return f"the {side} hand should be {away:.2f} m from the shoulder, the arm measures {arm:.2f} m"
     return ""

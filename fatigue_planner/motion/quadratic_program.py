@@ -150,7 +150,7 @@ def _optimality(H: Matrix, A: Matrix, g: Vector, lower: Vector, upper: Vector, x
     return total
 
 
-def solve_either(program: QuadraticProgram) -> Vector | None:
+def solve_with_fallback(program: QuadraticProgram) -> Vector | None:
     """The minimiser (n,) by the program's solver or, where that fails, by another one.
 
     The other one is made anew each time: qpOASES goes on from its last answer, and a tick's answer must
@@ -196,7 +196,7 @@ def smallest_slack(program: QuadraticProgram, bounds: Indices, rows: Indices, sc
         elastic.lower[variable], elastic.upper[variable] = -np.inf, np.inf
     for place, constraint in enumerate(rows, start=len(bounds)):
         elastic.A[constraint, n + place] = -scale[place]
-    solution = solve_either(elastic)
+    solution = solve_with_fallback(elastic)
     return None if solution is None else scale * solution[n:]
 
 
@@ -205,4 +205,4 @@ def solve_eased(program: QuadraticProgram, bounds: Indices, slack: Vector) -> Ve
     room = MARGIN * (1 + np.abs(slack))
     program.lower[bounds] += np.minimum(slack, 0) - room
     program.upper[bounds] += np.maximum(slack, 0) + room
-    return solve_either(program)
+    return solve_with_fallback(program)

@@ -10,7 +10,7 @@ Positive = Annotated[float, Field(gt=0, le=1e9)]
 # A phase lasts at least some ticks of the longest time step, at most ten minutes.
 Duration = Annotated[float, Field(ge=0.1, le=600)]
 # A cycle has at most so many ticks: half an hour at 10 ms, some 300 MB.
-MOST_TICKS = 180_000
+MAX_TICKS = 180_000
 
 Side = Literal["right", "left"]
 PhaseName = Literal["reach", "work", "return"]

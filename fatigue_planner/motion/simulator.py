@@ -59,7 +59,7 @@ class Simulator:
             body.lean_against(planned.hand, force)
             pushed[3 * SIDES.index(planned.hand) :][:3] += force
         for place, task in enumerate(body.hands.values(), start=1):
-            task.moment = tick
+            task.index = tick
             body.controller.weigh(place, self._turned_share[tick], first_row=3)
         for place, share in self._switched:
             body.controller.weigh(body.first_preferred + place, share[tick])

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.planners.pomcp.buffers import Numbers, Room
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.search import leaf_value
 from fatigue_planner.planners.pomcp.tree import Array
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
 from fatigue_planner.pomdp.simd import aligned
 
 # Whether the observation always tells the outcome, how many observations there are, and whether leaves have values.
-TELLING = False
+OBSERVATION_REVEALS_OUTCOME = False
 N_OBSERVATIONS = 0
 LEAVES = True
 
@@ -37,9 +37,11 @@ class Levels(NamedTuple):
     values: Array
 
 
-def new_levels(states: int, width: int, depth: int, outcomes: int, actions: int, telling: bool) -> Levels:
+def new_levels(
+    states: int, width: int, depth: int, outcomes: int, actions: int, observation_reveals_outcome: bool
+) -> Levels:
     """Memory for a lookahead from a belief of some states: unless the observation tells, beliefs grow."""
-    sizes = [states * (1 if telling else outcomes**level) for level in range(depth + 1)]
+    sizes = [states * (1 if observation_reveals_outcome else outcomes**level) for level in range(depth + 1)]
     begin = np.concatenate([[0], np.cumsum(sizes)])
     rows = int(begin[-1])
     return Levels(
@@ -54,7 +56,12 @@ def new_levels(states: int, width: int, depth: int, outcomes: int, actions: int,
 
 
 def best_return(
-    arrays: Any, bound_arrays: Any, levels: Levels, room: Room, numbers: Numbers, rng: np.random.Generator
+    arrays: Any,
+    bound_arrays: Any,
+    levels: Levels,
+    workspace: Workspace,
+    parameters: SearchParameters,
+    rng: np.random.Generator,
 ) -> float:
     """Template: the best expected return from the weighted states of level 0, by full enumeration.
 
@@ -64,7 +71,7 @@ def best_return(
     leaf value of every state. Depth first; afterwards values[0] are those of the first actions.
     """
     depth, actions = levels.values.shape
-    observations = levels.probabilities.shape[1] if TELLING else N_OBSERVATIONS
+    observations = levels.probabilities.shape[1] if OBSERVATION_REVEALS_OUTCOME else N_OBSERVATIONS
     level = 0
     levels.branch[0] = 0
     while True:
@@ -76,12 +83,12 @@ def best_return(
             if level == 0:
                 return float(best)
             level -= 1
-            levels.values[level, (levels.branch[level] - 1) // observations] += numbers.discount * best
+            levels.values[level, (levels.branch[level] - 1) // observations] += parameters.discount * best
             continue
         action, observation = levels.branch[level] // observations, levels.branch[level] % observations
         last = level + 1 == depth
         if last and not LEAVES:
-            values[action] = expected_now(arrays, levels, room, level, action)
+            values[action] = expected_now(arrays, levels, workspace, level, action)
             levels.branch[level] += observations
             continue
         if observation == 0:
@@ -93,20 +100,20 @@ def best_return(
         values[action] += reward
         if last:
             for place in range(levels.begin[depth], levels.begin[depth] + reached):
-                leaf = Room(levels.states[place], room.moved, room.probabilities, *room[3:])
-                value = leaf_value(arrays, bound_arrays, leaf, numbers, actions, rng)
-                values[action] += numbers.discount * levels.weights[place] * value
+                leaf = Workspace(levels.states[place], workspace.moved, workspace.probabilities, *workspace[3:])
+                value = leaf_value(arrays, bound_arrays, leaf, parameters, actions, rng)
+                values[action] += parameters.discount * levels.weights[place] * value
         elif reached > 0:
             level += 1
             levels.size[level] = reached
             levels.branch[level] = 0
 
 
-def expected_now(arrays: Any, levels: Levels, room: Room, level: int, action: int) -> float:
+def expected_now(arrays: Any, levels: Levels, workspace: Workspace, level: int, action: int) -> float:
     """Template: the expected reward of an action in a level's belief."""
     total = 0.0
     for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
-        reward = expected_reward(arrays, levels.states[i], action, levels.probabilities[i], room.moved)
+        reward = expected_reward(arrays, levels.states[i], action, levels.probabilities[i], workspace.moved)
         total += levels.weights[i] * reward
     return total
 
@@ -118,13 +125,13 @@ def observe(arrays: Any, levels: Levels, level: int, action: int, observation: i
     for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
         for outcome in range(levels.probabilities.shape[1]):
             weight = levels.weights[i] * levels.probabilities[i, outcome]
-            if weight <= 0 or (TELLING and outcome != observation):
+            if weight <= 0 or (OBSERVATION_REVEALS_OUTCOME and outcome != observation):
                 continue
             moved = levels.states[below + reached]
             for j in range(moved.size):
                 moved[j] = levels.states[i, j]
             reward = advance(arrays, moved, action, outcome)
-            if not TELLING:
+            if not OBSERVATION_REVEALS_OUTCOME:
                 weight *= observation_probability(arrays, moved, action, outcome, observation)
             if weight > 0:
                 total += weight * reward

@@ -7,7 +7,7 @@ import numpy as np
 
 from fatigue_planner.planners.expectimax import Levels, new_levels
 from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
-from fatigue_planner.planners.pomcp.buffers import Numbers, new_room, tables
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import bound_arrays_for, lookahead_kernel
 from fatigue_planner.planners.settings import LookaheadSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -27,7 +27,7 @@ class LookaheadPolicy(Policy):
         self._model: Pomdp | None = None
         self._kernel: Any = None
         self._levels: Levels | None = None
-        self._room = new_room(0, 0, 0)
+        self._workspace = new_workspace(0, 0, 0)
         self._tables = tables(0)
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
@@ -46,11 +46,13 @@ class LookaheadPolicy(Policy):
         count, width = belief.states.shape
         if self._levels is None or self._levels.begin[1] != count:
             outcomes, actions = len(model.outcomes), len(model.actions)
-            self._levels = new_levels(count, width, settings.depth, outcomes, actions, model.telling)
-            self._room = new_room(width, outcomes, 0)
+            self._levels = new_levels(
+                count, width, settings.depth, outcomes, actions, model.observation_reveals_outcome
+            )
+            self._workspace = new_workspace(width, outcomes, 0)
         levels = self._levels
         levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(0.0, model.discount, settings.rollout_cycles, *self._tables)
-        self._kernel(model.arrays, bound_arrays, levels, self._room, numbers, rng)
+        parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
+        self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
         return np.asarray(levels.values[0].copy())

@@ -16,9 +16,9 @@ from fatigue_planner.core.jit import inlined
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Plans of up to so many cycles; of several only where there are at most MOST_PLANS of that length.
-LONGEST_PLAN = 6
-MOST_PLANS = 1000
+# Plans of up to so many cycles; of several only where there are at most MAX_PLANS of that length.
+MAX_PLAN_LENGTH = 6
+MAX_PLANS = 1000
 
 
 class PlanValues(NamedTuple):
@@ -32,8 +32,8 @@ class PlanValues(NamedTuple):
 def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     """All plans from every starting point, without those that only repeat a shorter one."""
     plans: list[tuple[int, ...]] = []
-    for length in range(1, LONGEST_PLAN + 1):
-        if length > 1 and actions**length > MOST_PLANS:
+    for length in range(1, MAX_PLAN_LENGTH + 1):
+        if length > 1 and actions**length > MAX_PLANS:
             break
         plans += [
             plan

@@ -1,6 +1,6 @@
 """The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several that may be meant.
 
-A state holds the fatigue of the live entries, padded with zeros to a multiple of LANES, and in its last
+A state holds the fatigue of the active_entries entries, padded with zeros to a multiple of LANES, and in its last
 place the number of the worker it belongs to. Where the worker is known there is one, number 0.
 """
 
@@ -28,7 +28,7 @@ class FatigueArrays(NamedTuple):
 
     gain, offset (M * A * U, W): row (m * A + a) * U + u is worker m's cycle map of action a and preference u
     expertise (M,): beta of Eq. 4; `even` says that it is 0 for all
-    observation (U, O): P(o | u); `sharp` says that the observation always is the preference
+    observation (U, O): P(o | u); `observation_reveals_outcome` says that the observation always is the preference
     """
 
     gain: Array
@@ -36,7 +36,7 @@ class FatigueArrays(NamedTuple):
     expertise: Vector
     even: bool
     observation: Array
-    sharp: bool
+    observation_reveals_outcome: bool
     n_actions: int
     cost_scale: float
 
@@ -90,7 +90,7 @@ def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference:
 @inlined
 def recognise(arrays: FatigueArrays, preference: int, rng: np.random.Generator) -> int:
     """A draw of o from P(o | u)."""
-    return preference if arrays.sharp else draw(arrays.observation[preference], rng.random())
+    return preference if arrays.observation_reveals_outcome else draw(arrays.observation[preference], rng.random())
 
 
 @inlined
@@ -167,9 +167,12 @@ def one_worker(expertise: float) -> Workers:
 
 @dataclass(frozen=True)
 class FatiguePomdp(Pomdp):
-    """The POMDP of a task; live: which of the `entries` entries its states hold, profiles (A, U): its cycles."""
+    """The POMDP of a task.
 
-    live: NDArray[np.intp]
+    active_entries: which of the `entries` entries its states hold; profiles (A, U): its cycles.
+    """
+
+    active_entries: NDArray[np.intp]
     entries: int
     profiles: tuple[tuple[CycleProfile, ...], ...]
     workers: Workers
@@ -182,7 +185,7 @@ class FatiguePomdp(Pomdp):
     def state(self, fatigue: Vector, worker: int = 0) -> Vector:
         """The state of a fatigue (entries,)."""
         state = np.zeros(self.arrays.gain.shape[1] + 1)
-        state[: self.live.size] = fatigue[self.live]
+        state[: self.active_entries.size] = fatigue[self.active_entries]
         state[-1] = worker
         return state
 
@@ -219,8 +222,10 @@ class FatiguePomdp(Pomdp):
         return replace(self, arrays=arrays, workers=workers)
 
     def _rows(self, table: Array) -> Array:
-        rows = np.zeros((table[..., 0].size, self.live.size + -self.live.size % LANES))  # in C order, read row by row
-        rows[:, : self.live.size] = table[..., self.live].reshape(len(rows), -1)
+        rows = np.zeros(
+            (table[..., 0].size, self.active_entries.size + -self.active_entries.size % LANES)
+        )  # in C order, read row by row
+        rows[:, : self.active_entries.size] = table[..., self.active_entries].reshape(len(rows), -1)
         return aligned(rows)
 
 
@@ -237,17 +242,19 @@ def build_pomdp(
     """The POMDP of the reactions `profiles[action, preference]`.
 
     `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
-    entries are live: all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
+    entries are active: all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
     default the preference is always recognised.
     """
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
     ever = (initial_fatigue != 0).any(axis=0)
     for profile in profiles.values():
         ever |= (profile.dose_s > 0).any(axis=0)
-    sharp = recognition_matrix is None
+    observation_reveals_outcome = recognition_matrix is None
     observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
     empty = np.zeros((0, 0))
-    arrays = FatigueArrays(empty, empty, np.zeros(0), False, observation, sharp, len(actions), 1 / ever.size)
+    arrays = FatigueArrays(
+        empty, empty, np.zeros(0), False, observation, observation_reveals_outcome, len(actions), 1 / ever.size
+    )
     blank = FatiguePomdp(
         actions=tuple(actions),
         outcomes=tuple(preferences),
@@ -255,8 +262,8 @@ def build_pomdp(
         discount=discount,
         arrays=arrays,
         dynamics=FATIGUE,
-        telling=sharp,
-        live=np.flatnonzero(ever),
+        observation_reveals_outcome=observation_reveals_outcome,
+        active_entries=np.flatnonzero(ever),
         entries=ever.size,
         profiles=table,
         workers=workers,
@@ -269,4 +276,4 @@ def fingerprint(model: FatiguePomdp) -> dict[str, Any]:
     named = model.arrays._asdict().items()
     arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named}
     arrays["expertise"] = [repr(beta) for beta in model.workers.expertise.tolist()]
-    return {"arrays": arrays, "discount": model.discount, "live": model.live.tolist()}
+    return {"arrays": arrays, "discount": model.discount, "active_entries": model.active_entries.tolist()}

@@ -14,7 +14,7 @@ from fatigue_planner.pomdp.fatigue_pomdp import Workers
 Vector = NDArray[np.float64]
 # Chances of values must sum to 1 within this.
 ROUNDING = 1e-9
-LARGEST_FACTOR = 1000
+MAX_FACTOR = 1000
 
 
 class Choice(Settings):
@@ -89,9 +89,9 @@ Distribution = Annotated[Choice | LogNormal | Uniform, Field(discriminator="kind
 
 def _usable_factor(distribution: Choice | LogNormal | Uniform) -> Choice | LogNormal | Uniform:
     smallest, largest = distribution.bounds()
-    if smallest <= 0 or largest > LARGEST_FACTOR:
+    if smallest <= 0 or largest > MAX_FACTOR:
         wrong = smallest if smallest <= 0 else largest
-        raise ValueError(f"{wrong:g} is no factor of a rate: above 0, {LARGEST_FACTOR} at most")
+        raise ValueError(f"{wrong:g} is no factor of a rate: above 0, {MAX_FACTOR} at most")
     return distribution
 
 

@@ -62,7 +62,7 @@ class Dynamics:
 class Pomdp:
     """A problem: the names of its actions, outcomes and observations, its discount and its functions.
 
-    telling: the observation always tells the outcome (never wrong to leave it False).
+    observation_reveals_outcome: the observation always tells the outcome (never wrong to leave it False).
     """
 
     actions: tuple[str, ...]
@@ -71,7 +71,7 @@ class Pomdp:
     discount: float
     arrays: Any
     dynamics: Dynamics
-    telling: bool = field(default=False, kw_only=True)
+    observation_reveals_outcome: bool = field(default=False, kw_only=True)
 
     @cached_property
     def parts(self) -> dict[str, Any]:
@@ -95,13 +95,13 @@ class Pomdp:
         self.dynamics.outcome_probabilities(self.arrays, state, action, probabilities)
         return probabilities
 
-    def after(self, state: Vector, action: int, outcome: int) -> tuple[Vector, float]:
+    def transition(self, state: Vector, action: int, outcome: int) -> tuple[Vector, float]:
         """The state an outcome leads to, and its reward."""
         moved = state.copy()
         reward = float(self.dynamics.advance(self.arrays, moved, action, outcome))
         return moved, reward
 
-    def happen(self, state: Vector, action: int, rng: np.random.Generator) -> tuple[Vector, int, float]:
+    def sample_step(self, state: Vector, action: int, rng: np.random.Generator) -> tuple[Vector, int, float]:
         """One cycle by chance: the state it leads to, what is observed, and the reward."""
         self.check(action)
         moved = state.copy()

@@ -22,7 +22,7 @@ Knowledge = Literal["prior", "average", "truth"]
 
 
 @dataclass(frozen=True)
-class Situation:
+class Scenario:
     """The model holds the average worker; states (n, L) and weights (n,) are where he may start.
 
     prior: the distribution of the worker, None where he is known; belief: how beliefs are kept.
@@ -49,20 +49,25 @@ class Situation:
         if self.prior is None or knows == "prior":
             return initial_belief(self.model, self.states, self.weights, self.prior, self.belief, rng)
         model = world if knows == "truth" else self.model
-        settings = ExactSettings(kind="exact") if model.telling else self.belief
+        settings = ExactSettings(kind="exact") if model.observation_reveals_outcome else self.belief
         return initial_belief(model, self.states, self.weights, None, settings, rng)
 
     def leaves_nothing_to_chance(self) -> bool:
         """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
-        return self.model.is_experts and len(self.weights) == 1 and self.prior is None and self.model.telling
+        return (
+            self.model.is_experts
+            and len(self.weights) == 1
+            and self.prior is None
+            and self.model.observation_reveals_outcome
+        )
 
     @cached_property
     def digest(self) -> str:
-        """Digest of all that decides what happens in the situation."""
+        """Digest of all that decides what happens in the scenario."""
         return digest_of(self.fingerprint())
 
     def fingerprint(self) -> dict[str, Any]:
-        """All that decides what happens in the situation, as JSON values."""
+        """All that decides what happens in the scenario, as JSON values."""
         prior, profiles = [], []
         if self.prior is not None:  # other workers' maps follow from the profiles
             prior = [one.plain() for one in self.prior.distributions]

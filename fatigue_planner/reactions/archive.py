@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from fatigue_planner.core.errors import BundleError, DamagedFileError, OtherVersionError
+from fatigue_planner.core.errors import ArchiveError, DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import publish, publish_bytes, set_aside, writable_folder
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.hdf5_layout import MOST_BYTES, entry_bytes, read_entry
+from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, entry_bytes, read_entry
 from fatigue_planner.reactions.reaction import ReactionRequest, file_name
 from fatigue_planner.reactions.verify import faults_of
 
-MOST_ENTRIES = 100_000
+MAX_ENTRIES = 100_000
 # The same bytes whenever and wherever it is made.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 # What stands before an entry: mark, version, flags, method, time, date, CRC, stored and true size, length of the name
@@ -37,7 +37,7 @@ class Imported:
     refused: str = ""
 
 
-def export_bundle(cache: ReactionCache, requests: Sequence[ReactionRequest], bundle: Path, how: str) -> int:
+def export_archive(cache: ReactionCache, requests: Sequence[ReactionRequest], bundle: Path, how: str) -> int:
     """Publish a bundle of reactions, every one read and checked before; how many there are in it.
 
     Raises as `ReactionCache.stream`, or OutputFolderError if the bundle cannot be written.
@@ -54,11 +54,11 @@ def export_bundle(cache: ReactionCache, requests: Sequence[ReactionRequest], bun
     return len(unique)
 
 
-def import_bundle(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
+def import_archive(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
     """Check every entry of a bundle and take the good ones into the cache, one by one.
 
     A damaged file in the place of a good one is set aside (see `ReactionCache.damaged`).
-    Raises BundleError if the file is no bundle, OutputFolderError if the cache cannot be written.
+    Raises ArchiveError if the file is no bundle, OutputFolderError if the cache cannot be written.
     """
     for member, content in _entries(bundle):
         yield _take(member, content, cache)
@@ -68,17 +68,17 @@ def _entries(bundle: Path) -> Iterator[tuple[str, bytes]]:
     """Name and content of every entry, from the front to the list of contents, which is not read."""
     try:
         if not bundle.is_file() and bundle.exists():
-            raise BundleError(f"{bundle}: is not a file.")
+            raise ArchiveError(f"{bundle}: is not a file.")
         with bundle.open("rb") as file:
-            for _ in range(MOST_ENTRIES):
+            for _ in range(MAX_ENTRIES):
                 entry = _next_entry(bundle, file)
                 if entry is None:
                     return
                 yield entry
             if _next_entry(bundle, file) is not None:
-                raise BundleError(f"{bundle}: has more than {MOST_ENTRIES} entries; none of ours has.")
+                raise ArchiveError(f"{bundle}: has more than {MAX_ENTRIES} entries; none of ours has.")
     except OSError as error:
-        raise BundleError(f"{bundle}: cannot be read ({error.strerror}).") from error
+        raise ArchiveError(f"{bundle}: cannot be read ({error.strerror}).") from error
 
 
 def _next_entry(bundle: Path, file: BinaryIO) -> tuple[str, bytes] | None:
@@ -86,16 +86,16 @@ def _next_entry(bundle: Path, file: BinaryIO) -> tuple[str, bytes] | None:
     if start[:4] in _END_MARKS:
         return None
     if start[:4] != _ENTRY_MARK or len(start) < _HEADER.size:
-        raise BundleError(f"{bundle}: is no bundle of reactions, or was cut off.")
+        raise ArchiveError(f"{bundle}: is no bundle of reactions, or was cut off.")
     _, _, flags, method, _, _, _, stored, size, name_length, further = _HEADER.unpack(start)
     name = file.read(name_length).decode(errors="backslashreplace")
     if flags or method != zipfile.ZIP_STORED or stored != size or further:
-        raise BundleError(f"{bundle}: {name!r} is not stored as `fatplan cache export` does: plainly.")
-    if size > MOST_BYTES:
-        raise BundleError(f"{bundle}: {name!r} has {size} bytes; none of ours has more than {MOST_BYTES}.")
+        raise ArchiveError(f"{bundle}: {name!r} is not stored as `fatplan cache export` does: plainly.")
+    if size > MAX_BYTES:
+        raise ArchiveError(f"{bundle}: {name!r} has {size} bytes; none of ours has more than {MAX_BYTES}.")
     content = file.read(size)
     if len(content) < size:
-        raise BundleError(f"{bundle}: was cut off in {name!r}.")
+        raise ArchiveError(f"{bundle}: was cut off in {name!r}.")
     return name, content
 
 

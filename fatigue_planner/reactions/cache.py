@@ -24,7 +24,7 @@ from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, 
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
-from fatigue_planner.reactions.hdf5_layout import MOST_BYTES, entry_bytes, is_sealed, read_entry
+from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, entry_bytes, has_valid_checksum, read_entry
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
 
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
@@ -127,7 +127,7 @@ class ReactionCache:
             if isinstance(made, Lost):
                 made = Made(Outcome(request.name, request.digest, "failed", False, failure=made.reason))  # noqa: PLW2901
             elif made.content is not None:
-                if not is_sealed(made.content):
+                if not has_valid_checksum(made.content):
                     raise DamagedFileError(f"{request.name}: was damaged on its way from the worker. Run again.")
                 publish_bytes(self.path(request), made.content)
             outcomes[request.digest] = made.outcome
@@ -194,10 +194,10 @@ def read_content(path: Path) -> bytes:
             status = os.fstat(descriptor)
             if not stat.S_ISREG(status.st_mode):
                 raise DamagedFileError(f"{path}: is not a file.")
-            if status.st_size > MOST_BYTES:
-                raise DamagedFileError(f"{path}: has {status.st_size} bytes; none of ours has more than {MOST_BYTES}.")
+            if status.st_size > MAX_BYTES:
+                raise DamagedFileError(f"{path}: has {status.st_size} bytes; none of ours has more than {MAX_BYTES}.")
             with os.fdopen(descriptor, "rb", closefd=False) as file:
-                return file.read(MOST_BYTES)
+                return file.read(MAX_BYTES)
         finally:
             os.close(descriptor)
     except OSError as error:

@@ -33,7 +33,7 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
-from fatigue_planner.motion.settings import MOST_TICKS, PHASES
+from fatigue_planner.motion.settings import MAX_TICKS, PHASES
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
 from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
 
@@ -60,9 +60,9 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
     "eased_radps2": (_N, "rad/s^2", f"how far accelerations are outside their bounds: {_JOINTS}"),
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
-MOST_TEXT = 1_000_000
+MAX_TEXT = 1_000_000
 LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
-MOST_BYTES = MOST_TICKS * _ROW_BYTES + 4 * MOST_TEXT
+MAX_BYTES = MAX_TICKS * _ROW_BYTES + 4 * MAX_TEXT
 
 _TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
 LAYOUT = Layout(
@@ -75,10 +75,10 @@ LAYOUT = Layout(
         "phase_ticks": ("i8", (len(PHASES), 2)),
         **{name: ("f8", (None,) if width is None else (None, width)) for name, (width, _, _) in ARRAYS.items()},
     },
-    most_rows=MOST_TICKS,
-    most_text=MOST_TEXT,
+    most_rows=MAX_TICKS,
+    most_text=MAX_TEXT,
 )
-_KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MOST_TEXT)
+_KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MAX_TEXT)
 HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
 # What a key or a name that is none raises.
 _UNREADABLE = (ValueError, TypeError, RecursionError)
@@ -90,7 +90,7 @@ _KEY_PARTS = {part.name for part in fields(ReactionKey)}
 def entry_bytes(reaction: Reaction) -> bytes:
     """The content of the file of a reaction, the same for the same reaction."""
     content, motion = io.BytesIO(), reaction.motion
-    with h5py.File(content, "w", track_order=False, userblock_size=SEAL_BYTES) as file:
+    with h5py.File(content, "w", track_order=False, userblock_size=CHECKSUM_BYTES) as file:
         file["format"] = np.bytes_(FORMAT)
         file["format_version"] = FORMAT_VERSION
         file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
@@ -137,7 +137,7 @@ def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[s
 def _check_format(content: bytes, source: str) -> None:
     if content.startswith(HDF5_MARK):
         raise OtherVersionError(f"{source}: has no seal; it is an earlier version's, or not fatplan's.")
-    if not is_sealed(content):
+    if not has_valid_checksum(content):
         raise DamagedFileError(f"{source}: does not match its hash; it was altered or damaged.")
     try:
         head = read_hdf5(content, HEAD)
@@ -226,20 +226,20 @@ def _content_sha256(reaction: Reaction) -> str:
     return digest.hexdigest()
 
 
-SEAL_BYTES = 512
+CHECKSUM_BYTES = 512
 _MARK = b"fatplan sha256 "
 
 
 def sealed(content: bytes) -> bytes:
-    """A content that begins with SEAL_BYTES free bytes, with its seal in them."""
-    return _seal(content) + content[SEAL_BYTES:]
+    """A content that begins with CHECKSUM_BYTES free bytes, with its seal in them."""
+    return _seal(content) + content[CHECKSUM_BYTES:]
 
 
-def is_sealed(content: bytes) -> bool:
+def has_valid_checksum(content: bytes) -> bool:
     """Whether a content is, to the bit, what was sealed."""
-    return len(content) > SEAL_BYTES and content[:SEAL_BYTES] == _seal(content)
+    return len(content) > CHECKSUM_BYTES and content[:CHECKSUM_BYTES] == _seal(content)
 
 
 def _seal(content: bytes) -> bytes:
-    digest = hashlib.sha256(memoryview(content)[SEAL_BYTES:]).hexdigest()
-    return (_MARK + digest.encode() + b"\n").ljust(SEAL_BYTES, b"\0")
+    digest = hashlib.sha256(memoryview(content)[CHECKSUM_BYTES:]).hexdigest()
+    return (_MARK + digest.encode() + b"\n").ljust(CHECKSUM_BYTES, b"\0")

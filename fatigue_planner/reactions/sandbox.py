@@ -21,10 +21,10 @@ from fatigue_planner.core.errors import ReaderError
 
 SCRIPT = Path(__file__).with_name("sandboxed_reader.py")
 # Of the reading process's computing, so that neither a busy machine nor a stopped program makes a file unreadable.
-MOST_SECONDS = 30
+MAX_SECONDS = 30
 # What is waited besides, on a busy machine: for Python's own start, for the sending of content and numbers.
 PATIENCE_S = 60
-LONGEST_MESSAGE = 300
+MAX_MESSAGE_LENGTH = 300
 # No filter is looked for on the disk; no threads of linear algebra, whose memory would count; memory is given back.
 _ENVIRONMENT = {
     "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
@@ -156,7 +156,7 @@ def read_hdf5(content: bytes, layout: Layout) -> dict[str, Array]:
     """
     request = {
         "datasets": dict(layout.datasets), "most_rows": layout.most_rows, "most_text": layout.most_text,
-        "most_seconds": MOST_SECONDS,
+        "most_seconds": MAX_SECONDS,
     }  # fmt: skip
     return dict(zip(layout.datasets, _READER.read(content, request), strict=True))
 
@@ -169,4 +169,4 @@ def _array(connection: Connection, kind: str, shape: list[int]) -> Array:
 
 def _one_line(text: str) -> str:
     """A message that may repeat parts of the file, fit for a terminal."""
-    return "".join(sign if sign.isprintable() else "?" for sign in text[:LONGEST_MESSAGE])
+    return "".join(sign if sign.isprintable() else "?" for sign in text[:MAX_MESSAGE_LENGTH])

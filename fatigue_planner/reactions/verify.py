@@ -16,7 +16,7 @@ TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
-class Audit:
+class Verification:
     """The verdict on a stored reaction and, if it is not good, why; None: of another version, not checked.
 
     damaged: it is not what was written; nothing is known of it then.
@@ -29,19 +29,19 @@ class Audit:
     damaged: bool = False
 
 
-def audit(path: Path) -> Audit:
+def verify_entry(path: Path) -> Verification:
     """Read a reaction of the cache, recompute every check of its motion, and compare with what is stored."""
     try:
         reaction = ReactionCache(path.parent).read(path)
     except OtherVersionError as error:
-        return Audit(path, None, reason=str(error))
+        return Verification(path, None, reason=str(error))
     except DamagedFileError as error:
-        return Audit(path, "failed", reason=str(error), damaged=True)
+        return Verification(path, "failed", reason=str(error), damaged=True)
     faults = faults_of(reaction)
     if faults:
-        return Audit(path, "failed", reaction.name, "; ".join(faults))
+        return Verification(path, "failed", reaction.name, "; ".join(faults))
     verdict = reaction.quality.kept_as()
-    return Audit(path, verdict, reaction.name, reaction.quality.degradation() if verdict == "degraded" else "")
+    return Verification(path, verdict, reaction.name, reaction.quality.degradation() if verdict == "degraded" else "")
 
 
 def faults_of(reaction: Reaction) -> list[str]:

@@ -70,7 +70,7 @@ class Peer:
 
     def decide(self, case: Case, seed: int) -> dict[str, Any]:
         model, belief = case.problem.model, case.problem.belief
-        live = model.live.size
+        live = model.active_entries.size
         states = belief.states[:, :live]
         if case.problem is not self._problem:
             self._problem = case.problem

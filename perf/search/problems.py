@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
-from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, situation
+from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
@@ -32,7 +32,7 @@ def experiment_problems(experiment: str) -> list[Problem]:
     profiles = load_cycle_profiles(loaded, cache, "fatplan simulate")
     problems = []
     for name, condition in loaded.benchmark.conditions.items():
-        task = situation(loaded, profiles, condition)
+        task = scenario(loaded, profiles, condition)
         problems.append(Problem(name, task.model, ExactBelief(task.model, task.states, task.weights)))
     return problems
 
@@ -61,4 +61,4 @@ def affine_model(gain: np.ndarray, offset: np.ndarray, expertise: float, discoun
 
 def rested(model: FatiguePomdp) -> ExactBelief:
     """The belief in a worker without fatigue."""
-    return ExactBelief(model, model.state(np.zeros(model.live.size))[None], np.ones(1))
+    return ExactBelief(model, model.state(np.zeros(model.active_entries.size))[None], np.ones(1))

@@ -102,8 +102,8 @@ def test_cache(cache_folder: Path, tmp_path: Path) -> None:
     assert difference == {"part": "controller.solver", "wanted": "qpoases", "stored": "daqp"}
     assert document(json_output.CacheRubbish, "cache", "gc", *where)["files"] == []
     bundle = tmp_path / "bundle.zip"
-    assert document(json_output.ExportedBundle, "cache", "export", PAPER, bundle, *where)["reactions"] == 4
-    found = document(json_output.ImportedBundle, "cache", "import", bundle, "--cache", tmp_path / "c")
+    assert document(json_output.ExportedArchive, "cache", "export", PAPER, bundle, *where)["reactions"] == 4
+    found = document(json_output.ImportedArchive, "cache", "import", bundle, "--cache", tmp_path / "c")
     assert (found["taken"], found["refused"]) == (4, 0)
 
 

@@ -30,7 +30,7 @@ from fatigue_planner.core.executors import crew
 from fatigue_planner.core.executors.dask import DaskCluster
 from fatigue_planner.core.executors.executor import Executor, Lost
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.planners.settings import GreedySettings, PomcpSettings, RandomSettings
@@ -57,7 +57,7 @@ def cells(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Cell]:
     }
     profiles = cycle_profiles(paper, reactions)
     return [
-        Cell(condition, 10, policy, settings, situation(paper, profiles, chosen), seed=7, trials=40)
+        Cell(condition, 10, policy, settings, scenario(paper, profiles, chosen), seed=7, trials=40)
         for condition, chosen in paper.benchmark.conditions.items()
         for policy, settings in policies.items()
     ]

@@ -21,7 +21,7 @@ from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import publish_bounds, run_bounds
-from fatigue_planner.study.benchmark.regret import Judgement
+from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 from fatigue_planner.study.benchmark.tables import (
@@ -111,7 +111,7 @@ def one_run(experiment: Experiment, folder: Path, executor: Executor) -> None:
     publish_csv(results / "comparison.csv", comparison)
     judges = references(experiment, grid)
     judgements = [
-        Judgement(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
+        RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
     regrets, _ = run_grid(judgements, parts, executor, lambda job, n: None)

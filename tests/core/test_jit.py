@@ -134,7 +134,7 @@ class Fields(NamedTuple):
     second: float
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     state: float
 
 
@@ -146,7 +146,7 @@ def first_field(fields, _):
 def results():
     fields = Fields(first=7.0, second=8.0)
     kernels = [specialised(problem_bound, bound=part) for part in (first_field, *PARTS)]
-    return [kernel(0, fields, Room(0.0), 0, 0, 0) for kernel in kernels] + [part(fields, 0.0) for part in PARTS]
+    return [kernel(0, fields, Workspace(0.0), 0, 0, 0) for kernel in kernels] + [part(fields, 0.0) for part in PARTS]
 """
 HELPER = """
 import constants

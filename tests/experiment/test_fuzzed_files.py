@@ -10,7 +10,7 @@ import pytest
 FAST, ALL = 200, 10_000
 PROCESSES = 2
 # Of a whole process that reads thousands of files, with its libraries, which are half of it.
-LARGEST_MIB = 300
+MAX_MIB = 300
 
 
 def test_some_damaged_files_are_read_or_refused(tmp_path: Path) -> None:
@@ -40,4 +40,4 @@ def test_ten_thousand_damaged_files_are_read_or_refused() -> None:
         said, wrong = child.communicate()
         assert child.returncode == 0, said + wrong
         count, peak_mib = map(float, said.split())
-        assert count == each and peak_mib < LARGEST_MIB
+        assert count == each and peak_mib < MAX_MIB

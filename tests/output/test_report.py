@@ -31,9 +31,9 @@ from fatigue_planner.output.reports.html.blocks import (
 )
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_text
-from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report import report
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.settings import origins
 from fatigue_planner.output.reports.study.finished import study_of
@@ -73,23 +73,25 @@ def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory:
     return folder
 
 
-def material(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> Material:
+def report_data(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> ReportData:
     tables = load_results(experiment, folder, COMMAND)
     grid = cells(experiment, cycle_profiles(experiment, reactions))
-    return Material(experiment, reactions, grid, tables, courses(grid, tables, folder))
+    return ReportData(experiment, reactions, grid, tables, courses(grid, tables, folder))
 
 
 @pytest.fixture(scope="module")
-def made(small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path_factory) -> tuple[str, Gallery]:
+def made(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, tmp_path_factory
+) -> tuple[str, FigureFolder]:
     file = tmp_path_factory.mktemp("experiment") / "mine.yaml"
     file.write_text(PAPER.read_text())
-    gallery = Gallery(folder)
+    figures = FigureFolder(folder)
     return report(
-        material(small, reactions, folder), gallery, file, ["fatplan simulate", "fatplan report"], None
-    ), gallery
+        report_data(small, reactions, folder), figures, file, ["fatplan simulate", "fatplan report"], None
+    ), figures
 
 
-def test_the_page_stands_alone(made: tuple[str, Gallery]) -> None:
+def test_the_page_stands_alone(made: tuple[str, FigureFolder]) -> None:
     text, _ = made
     read = Page(text)
     assert not read.open and not [tag for tag, _ in read.tags if tag in {"script", "iframe", "object"}]
@@ -100,27 +102,27 @@ def test_the_page_stands_alone(made: tuple[str, Gallery]) -> None:
     assert "http" not in re.sub(r"base64,[\w+/=]+", "", text)
 
 
-def test_every_figure_has_its_data_and_its_words(made: tuple[str, Gallery]) -> None:
-    text, gallery = made
+def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder]) -> None:
+    text, figures = made
     read = Page(text)
     images = [attributes for tag, attributes in read.tags if tag == "img"]
     assert len(images) >= 7
     assert all(len(str(image["alt"])) > 40 for image in images)
     files = {str(attributes["href"]) for _, attributes in read.tags if str(attributes.get("href", "")).endswith(".csv")}
     for file in files:
-        assert (gallery.folder / file).stat().st_size > 0, file
-    assert {path.name for path in gallery.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
+        assert (figures.folder / file).stat().st_size > 0, file
+    assert {path.name for path in figures.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
 
 
 @pytest.mark.slow
 def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
-    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery], tmp_path: Path
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, FigureFolder], tmp_path: Path
 ) -> None:
     before = {path.name: path.read_bytes() for path in folder.glob("*.csv")}
     file = tmp_path / "mine.yaml"
     file.write_text(PAPER.read_text())
     again = report(
-        material(small, reactions, folder), Gallery(folder), file, ["fatplan simulate", "fatplan report"], None
+        report_data(small, reactions, folder), FigureFolder(folder), file, ["fatplan simulate", "fatplan report"], None
     )
     assert again == made[0]
     assert {path.name: path.read_bytes() for path in folder.glob("*.csv")} == before
@@ -128,14 +130,14 @@ def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
 
 @pytest.mark.slow
 def test_the_page_says_what_the_tables_say(
-    paper: Experiment, small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, Gallery]
+    paper: Experiment, small: Experiment, reactions: tuple[Reaction, ...], folder: Path, made: tuple[str, FigureFolder]
 ) -> None:
     """Other tables, other numbers: those of another seed."""
     other = selected(small, Selection(None, None, None, None, None, 1))
     elsewhere = folder / "other"
     publish(other, reactions, elsewhere)
     text = report(
-        material(other, reactions, elsewhere), Gallery(elsewhere), PAPER.with_name("planners.yaml"), ["x"], None
+        report_data(other, reactions, elsewhere), FigureFolder(elsewhere), PAPER.with_name("planners.yaml"), ["x"], None
     )
     assert "seed 1." in text and "seed 2023." in made[0]
     trials = pd.read_csv(folder / "trials.csv")
@@ -154,7 +156,7 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
         "    conditions: [single_novice]\n    n_cycles: [5]\n    relation: better_mean\n"
         "    policies: [greedy]\n    others: [alternating]\n"
     )
-    text = report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
+    text = report(report_data(small, reactions, folder), FigureFolder(tmp_path), file, [], None)
     assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
 
 
@@ -167,11 +169,11 @@ def test_claims_about_another_experiment_are_refused(
     text = PAPER.with_name("paper_claims.yaml").read_text().replace("experiment: paper.yaml", "experiment: other.yaml")
     (tmp_path / "mine_claims.yaml").write_text(text)
     with pytest.raises(ClaimsError, match=r"experiment: is .*other.yaml; should be mine.yaml"):
-        report(material(small, reactions, folder), Gallery(tmp_path), file, [], None)
+        report(report_data(small, reactions, folder), FigureFolder(tmp_path), file, [], None)
 
 
 def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
-    one = material(small, reactions, folder)
+    one = report_data(small, reactions, folder)
     table = estimate_table(one.contrasts, one.results.trials, "greedy").set_index("condition")
     cost = -one.results.trials.groupby(["condition", "policy"])["discounted_return"].mean()
     for condition in small.benchmark.conditions:
@@ -246,7 +248,7 @@ def test_fatigue_table_by_hand() -> None:
 def test_cycle_maps_settle_where_repetition_leads(
     small: Experiment, reactions: tuple[Reaction, ...], folder: Path
 ) -> None:
-    one = material(small, reactions, folder)
+    one = report_data(small, reactions, folder)
     table = cycle_map_table(one)
     profiles = cycle_profiles(small, reactions)
     fatigue, (name, profile) = np.zeros(78), next(iter(profiles.items()))

@@ -29,7 +29,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import BODIES, JOINTS
 from fatigue_planner.output.viewer.filmstrip import strip
-from fatigue_planner.output.viewer.motion_clip import Performance, performance_of
+from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
 from fatigue_planner.output.viewer.page import FRAMES_PER_S, page
 from fatigue_planner.output.viewer.scene import (
     METRES_PER_NEWTON,
@@ -44,13 +44,13 @@ SHOWN = "average_man/low/back"
 
 
 @pytest.fixture(scope="module")
-def performances(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[Performance]:
-    return [performance_of(*pair) for pair in zip(reaction_requests(paper), reactions, strict=True)]
+def clips(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[MotionClip]:
+    return [motion_clip_of(*pair) for pair in zip(reaction_requests(paper), reactions, strict=True)]
 
 
 @pytest.fixture(scope="module")
-def shown(performances: list[Performance]) -> Performance:
-    return next(performance for performance in performances if performance.title == SHOWN)
+def shown(clips: list[MotionClip]) -> MotionClip:
+    return next(clip for clip in clips if clip.title == SHOWN)
 
 
 @pytest.fixture(scope="module")
@@ -88,13 +88,13 @@ def test_the_page_needs_nothing_else(html: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_page_is_the_same_every_time(html: str, shown: Performance) -> None:
+def test_the_page_is_the_same_every_time(html: str, shown: MotionClip) -> None:
     before = set(threading.enumerate())
     assert page([shown]) == html
     assert set(threading.enumerate()) <= before  # nor is anything left running
 
 
-def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], shown: MotionClip) -> None:
     names = {message.get("name") for _, message in messages}
     assert {"/ground", "/people/0", "/tools/right", "/objects/0", "/forces/right_foot", "/soles", "/label"} <= names
     assert {f"/joints/{joint.name}" for joint in JOINTS} <= names
@@ -103,7 +103,7 @@ def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], 
     assert max(time for time, _ in messages) == pytest.approx(shown.duration_s, abs=2 / FRAMES_PER_S)
 
 
-def test_the_centre_of_mass_is_pinocchios(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+def test_the_centre_of_mass_is_pinocchios(messages: list[tuple[float, dict[str, Any]]], shown: MotionClip) -> None:
     told = positions_of(messages, "/centre_of_mass/centre")
     model = shown.bodies[0].model
     for time, position in told[:: len(told) // 20]:
@@ -112,7 +112,7 @@ def test_the_centre_of_mass_is_pinocchios(messages: list[tuple[float, dict[str, 
         np.testing.assert_allclose(position, expected, atol=3e-4)
 
 
-def test_bones_follow_the_motion(messages: list[tuple[float, dict[str, Any]]], shown: Performance) -> None:
+def test_bones_follow_the_motion(messages: list[tuple[float, dict[str, Any]]], shown: MotionClip) -> None:
     told: dict[int, list[tuple[float, Any]]] = defaultdict(list)
     for time, message in messages:
         if message["type"] == "SetBonePositionMessage":
@@ -128,7 +128,7 @@ def positions_of(messages: list[tuple[float, dict[str, Any]]], name: str) -> lis
     return [(t, m["position"]) for t, m in messages if m["type"] == "SetPositionMessage" and m["name"] == name]
 
 
-def test_forces_carry_the_body(shown: Performance) -> None:
+def test_forces_carry_the_body(shown: MotionClip) -> None:
     """At rest they add up to the weight, point up, act on the soles and balance about the centre of mass."""
     work = shown.motion.phase("work")
     instant = shown.instant(work.stop - 1)
@@ -142,7 +142,7 @@ def test_forces_carry_the_body(shown: Performance) -> None:
     np.testing.assert_allclose(arrows[:2, 1, 2].sum() / METRES_PER_NEWTON, total[2], atol=1)
 
 
-def test_shares_and_colours(shown: Performance, paper: Experiment) -> None:
+def test_shares_and_colours(shown: MotionClip, paper: Experiment) -> None:
     instant = shown.instant(shown.tick(8.0))
     assert set(instant.joint_share) == {joint.name for joint in JOINTS}
     assert max(instant.joint_share, key=instant.joint_share.__getitem__) in {"lumbar", "right_wrist", "right_hip"}
@@ -154,15 +154,15 @@ def test_the_tool_is_shown_while_held(paper: Experiment, reactions: tuple[Reacti
     """Held only for the work, it is no part of the centre of mass before; weightless, it is not there."""
     request = reaction_requests(paper)[0]
     working = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"held": "work"})))
-    performance = performance_of(working, reactions[0])
-    assert [len(performance.instant(performance.tick(time)).tools) for time in (1.0, 8.0, 15.0)] == [0, 1, 0]
-    always = performance_of(request, reactions[0])
-    assert always.instant(0).centre_of_mass_m[2] < performance.instant(0).centre_of_mass_m[2]
+    clip = motion_clip_of(working, reactions[0])
+    assert [len(clip.instant(clip.tick(time)).tools) for time in (1.0, 8.0, 15.0)] == [0, 1, 0]
+    always = motion_clip_of(request, reactions[0])
+    assert always.instant(0).centre_of_mass_m[2] < clip.instant(0).centre_of_mass_m[2]
     none = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"mass_kg": 0.0})))
-    assert not performance_of(none, reactions[0]).instant(500).tools
+    assert not motion_clip_of(none, reactions[0]).instant(500).tools
 
 
-def test_the_skin_is_closed_and_of_the_bodys_size(shown: Performance) -> None:
+def test_the_skin_is_closed_and_of_the_bodys_size(shown: MotionClip) -> None:
     skin = make_skin(shown.human)
     edges = np.sort(np.concatenate([skin.faces[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))]), axis=1)
     assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()
@@ -175,11 +175,11 @@ def test_the_skin_is_closed_and_of_the_bodys_size(shown: Performance) -> None:
     assert height == pytest.approx(shown.human.anthropometry.stature_m, rel=0.04)  # the legs stand apart
 
 
-def test_the_strip_has_a_panel_per_reaction_and_time(performances: list[Performance]) -> None:
-    figure = strip(performances[:2], [0.0, 8.0, 16.0])
+def test_the_strip_has_a_panel_per_reaction_and_time(clips: list[MotionClip]) -> None:
+    figure = strip(clips[:2], [0.0, 8.0, 16.0])
     panels = [axes for axes in figure.axes if axes.get_title()]
     assert [axes.get_title() for axes in panels] == ["reach, 0 s", "work, 8 s", "return, 16 s"] * 2
-    assert len([axes for axes in strip(performances, []).axes if axes.get_title()]) == 16
+    assert len([axes for axes in strip(clips, []).axes if axes.get_title()]) == 16
 
 
 def test_the_command_saves_a_png(cache_folder: Path, tmp_path: Path) -> None:
@@ -226,7 +226,7 @@ def test_times_of_the_recording_only_grow(messages: list[tuple[float, dict[str, 
     assert all(before <= after for (before, _), (after, _) in pairwise(messages))
 
 
-def test_forces_on_the_hands_are_drawn_larger(shown: Performance) -> None:
+def test_forces_on_the_hands_are_drawn_larger(shown: MotionClip) -> None:
     pushed = replace(shown, motion=replace(shown.motion, hand_force_n=np.full_like(shown.motion.hand_force_n, 10.0)))
     arrows = force_arrows(pushed.instant(5))
     np.testing.assert_allclose(arrows[2:, 1] - arrows[2:, 0], METRES_PER_NEWTON_ON_A_HAND * 10, atol=1e-3)

@@ -9,8 +9,8 @@ import pytest
 from scipy.stats import t as student
 from small_problems import choice_probabilities
 
-from fatigue_planner.core.random_streams import draw_world
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.core.random_streams import draw_random_numbers
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.planners.bounds import sub_solution
@@ -24,7 +24,7 @@ from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.trial import run_trial
 
@@ -42,14 +42,14 @@ class Model:
     discount: float = 0.9
     entries: int = 8
 
-    def after(self, state: np.ndarray, action: int) -> np.ndarray:
+    def transition(self, state: np.ndarray, action: int) -> np.ndarray:
         return self.gain[action] * state + self.offset[action]
 
     def cost(self, state: np.ndarray) -> np.ndarray:
         return np.square(state).sum(axis=-1) / self.entries
 
     def costs(self, state: np.ndarray, action: int) -> np.ndarray:
-        return self.cost(self.after(state, action))
+        return self.cost(self.transition(state, action))
 
     def choice(self, state: np.ndarray, action: int) -> np.ndarray:
         return choice_probabilities(self.costs(state, action), self.expertise)
@@ -96,7 +96,7 @@ def optimum(model: Model, belief: Start, n_cycles: int) -> float:
         for seen in range(model.gain.shape[1]):
             weights = belief.weights * choice[:, seen]
             if weights.sum() > 0:
-                moved = np.array([model.after(state, action)[seen] for state in belief.states])
+                moved = np.array([model.transition(state, action)[seen] for state in belief.states])
                 following = Start(moved[weights > 0], weights[weights > 0] / weights.sum())
                 total += model.discount * weights.sum() * optimum(model, following, n_cycles - 1)
         costs.append(total)
@@ -281,7 +281,7 @@ def assert_no_policy_beats(found: CostBound, costs: dict[str, np.ndarray], compa
             assert cost[0] >= found.cost, name
 
 
-def situation_of(model: Model, belief: Start) -> Situation:
+def situation_of(model: Model, belief: Start) -> Scenario:
     """The package's own model of the same problem."""
     rest = model.entries - model.gain.shape[2]
     zeros, ones = np.zeros((1, model.entries)), np.ones(model.entries)
@@ -292,11 +292,11 @@ def situation_of(model: Model, belief: Start) -> Situation:
     wide = [np.pad(table, [(0, 0), (0, 0), (0, rest)])[None] for table in (model.gain, model.offset)]
     pomdp = blank.with_maps(*wide, worker)
     states = np.array([pomdp.state(np.pad(state, (0, rest))) for state in belief.states])
-    return Situation(pomdp, states, belief.weights, None, ExactSettings(kind="exact"))
+    return Scenario(pomdp, states, belief.weights, None, ExactSettings(kind="exact"))
 
 
 def policy_costs(
-    paper: Experiment, one: Situation, condition: str, n_cycles: int, trials: int, descents: int
+    paper: Experiment, one: Scenario, condition: str, n_cycles: int, trials: int, descents: int
 ) -> dict[str, np.ndarray]:
     """Cost of every policy of the paper, and of two lookaheads, in the same trials."""
     costs = {}
@@ -313,7 +313,7 @@ def policy_costs(
                 build_policy(settings),
                 "prior",
                 n_cycles,
-                draw_world(7, condition, n_cycles, trial),
+                draw_random_numbers(7, condition, n_cycles, trial),
                 np.random.default_rng(trial),
             )
             for trial in range(trials)
@@ -338,7 +338,7 @@ def test_no_policy_beats_it(expertise: float, start: str, paper: Experiment) -> 
 def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_percent(
     condition: str, n_cycles: int, paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
-    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
+    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
     costs = policy_costs(paper, one, condition, n_cycles, trials=40, descents=1000)
     found = bound_of(one, n_cycles)
     assert_no_policy_beats(found, costs, comparisons=9 * len(costs))

@@ -58,7 +58,7 @@ def test_lookahead_is_exact_in_random_problems(sharp: bool) -> None:
     for seed in range(5):
         problem = random_tables(seed, actions=3, states=2, horizon=4, sharp=sharp)
         weights = np.array([0.3, 0.7])
-        assert problem.telling == sharp
+        assert problem.observation_reveals_outcome == sharp
         np.testing.assert_allclose(
             lookahead(table_belief(problem, weights), 4), table_value(problem, weights), rtol=1e-12
         )
@@ -117,7 +117,7 @@ def returns(settings: PolicySettings, belief: ExactBelief, steps: int, games: in
         for step in range(steps):
             action = policy.act(now, rng).action
             outcome = draw(problem.probabilities(state, action), rng.random())
-            state, reward = problem.after(state, action, outcome)
+            state, reward = problem.transition(state, action, outcome)
             seen = draw(problem.observation_probabilities(state, action, outcome), rng.random())
             policy.observe(action, seen)
             now = now.update(action, seen, rng)

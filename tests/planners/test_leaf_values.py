@@ -26,7 +26,7 @@ def follow(problem: Pomdp, state: np.ndarray, cycles: int, greedily: bool) -> fl
     for action in range(len(problem.actions)):
         value = reward_now = 0.0
         for outcome, chance in enumerate(problem.probabilities(state, action)):
-            after, reward = problem.after(state, action, outcome)
+            after, reward = problem.transition(state, action, outcome)
             reward_now += chance * reward
             value += chance * (reward + problem.discount * follow(problem, after, cycles - 1, greedily))
         values.append(value)
@@ -43,7 +43,7 @@ def test_a_rollout_is_worth_what_its_policy_is_worth(
     state = np.array([1.0, 0.0])
     expected = 0.0
     for outcome, chance in enumerate(SHARP.probabilities(state, 0)):
-        after, reward = SHARP.after(state, 0, outcome)
+        after, reward = SHARP.transition(state, 0, outcome)
         expected += chance * (reward + SHARP.discount * follow(SHARP, after, 2, greedily))
     belief = table_belief(SHARP, [0.0, 1.0])
     settings = pomcp(1, leaf_value=leaf_value, rollout_cycles=2)
@@ -57,7 +57,7 @@ def test_a_greedy_rollout_of_an_expert_by_hand(monkeypatch: pytest.MonkeyPatch) 
     belief = relaxed(small_model(math.inf))
     tree = tree_of(belief, pomcp(1, leaf_value="greedy_rollout", rollout_cycles=4))
     model, state = belief.model, belief.states[0]
-    state, total = model.after(state, 0, int(model.probabilities(state, 0).argmax()))
+    state, total = model.transition(state, 0, int(model.probabilities(state, 0).argmax()))
     assert tree.value[0, 0] == pytest.approx(total + 0.95 * follow(model, state, 4, greedily=True), rel=1e-12)
 
 
@@ -68,7 +68,7 @@ def test_a_bound_stands_at_every_leaf(monkeypatch: pytest.MonkeyPatch, backup: s
     tree = tree_of(table_belief(SHARP, [0.0, 1.0]), pomcp(3, 0.0, backup, leaf_value="bound"))
     for action in range(3):
         (outcome,) = np.flatnonzero(tree.child[0, action] != UNVISITED)
-        after, reward = SHARP.after(np.array([1.0, 0.0]), action, int(outcome))
+        after, reward = SHARP.transition(np.array([1.0, 0.0]), action, int(outcome))
         if backup == "exact":
             reward = tree.mean_reward[0, action]
         expected = reward + SHARP.discount * interpreted(table_bound)(SHARP.arrays, after)

@@ -20,7 +20,7 @@ from small_problems import (
 )
 from tree_checks import assert_counts, children
 
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, RandomPolicy
 from fatigue_planner.planners.lookahead import LookaheadPolicy
@@ -53,7 +53,7 @@ def test_greedy_is_the_one_step_optimum(expertise: float) -> None:
 
 
 def test_registry_builds_every_policy_of_the_paper(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
+    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
     rng = np.random.default_rng(0)
     kinds = {"lookahead"}  # the paper has none
     for settings in paper.benchmark.policies.values():
@@ -195,4 +195,4 @@ def test_numbers_that_are_none_of_the_problems_are_refused() -> None:
         with pytest.raises(IndexError, match="the problem has 2, numbered from 0"):
             belief.update(action, observation, rng)
     with pytest.raises(IndexError, match="action 5"):
-        belief.model.happen(belief.states[0], 5, rng)
+        belief.model.sample_step(belief.states[0], 5, rng)

@@ -18,7 +18,7 @@ from tree_checks import (
 
 from fatigue_planner.planners.pomcp import policy as pomcp_module
 from fatigue_planner.planners.pomcp.backups import back_up_exact, back_up_max, back_up_mean
-from fatigue_planner.planners.pomcp.buffers import Numbers
+from fatigue_planner.planners.pomcp.buffers import SearchParameters
 
 DESCENTS = 300
 
@@ -45,7 +45,7 @@ def worst_value(node: Any) -> float:
     return float(node.value[node.tried > 0].min())
 
 
-def mean_over_reaching(_nodes: Any, node: Any, action: int, target: float, _numbers: Numbers) -> float:
+def mean_over_reaching(_nodes: Any, node: Any, action: int, target: float, _numbers: SearchParameters) -> float:
     node.value[action] += (target - node.value[action]) / node.visited
     return target
 
@@ -106,8 +106,8 @@ def test_an_error_in_a_part_is_seen(monkeypatch: pytest.MonkeyPatch, backup: str
 def test_an_error_in_the_discount_is_seen(monkeypatch: pytest.MonkeyPatch, backup: str) -> None:
     """Too large by one part in a million."""
     plant_in_search(monkeypatch)
-    wrong = lambda c, discount, *others: Numbers(c, discount * (1 + 1e-6), *others)  # noqa: E731
-    monkeypatch.setattr(pomcp_module, "Numbers", wrong)
+    wrong = lambda c, discount, *others: SearchParameters(c, discount * (1 + 1e-6), *others)  # noqa: E731
+    monkeypatch.setattr(pomcp_module, "SearchParameters", wrong)
     with pytest.raises(AssertionError):
         check(backup)
 

@@ -27,7 +27,7 @@ from tree_checks import (
     children,
 )
 
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy
 from fatigue_planner.reactions.reaction import Reaction
@@ -68,7 +68,7 @@ def test_golden_tree_by_hand() -> None:
     model = belief.model
 
     def step(state: np.ndarray, action: int) -> tuple[np.ndarray, float]:
-        return model.after(state, action, int(model.probabilities(state, action).argmax()))
+        return model.transition(state, action, int(model.probabilities(state, action).argmax()))
 
     (after_a, r_a), (after_b, r_b) = step(belief.states[0], 0), step(belief.states[0], 1)
     after, r = (after_a, r_a) if r_a >= r_b else (after_b, r_b)
@@ -121,7 +121,7 @@ def test_observations_come_as_often_as_the_belief_says(backup: str) -> None:
 
 def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Where the exact lookahead clearly prefers an action, so does every search with many descents."""
-    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
+    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
     rng = np.random.default_rng(4)
     belief = one.initial_belief("prior", one.model, rng)
     for action in (1, 1, 1):

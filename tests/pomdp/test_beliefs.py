@@ -19,7 +19,7 @@ from small_problems import (
 )
 from tree_checks import assert_bayes
 
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import GreedyPolicy
 from fatigue_planner.planners.lookahead import LookaheadPolicy
@@ -45,7 +45,7 @@ def test_belief_in_two_workers_is_bayes_rule_too(recognition: np.ndarray | None)
 
 
 def test_exact_observation_never_grows_the_belief(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["multiple_novice"])
+    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["multiple_novice"])
     belief = one.initial_belief("prior", one.model, RNG)
     for cycle in range(30):
         belief = belief.update(cycle % 2, cycle // 3 % 2, RNG)
@@ -91,8 +91,8 @@ def unexpected(case: str) -> tuple[ExactBelief, int, np.ndarray]:
         model = replace(model, observations=("x", "y", "unclear"))
     belief = relaxed(model)
     chosen = int(model.probabilities(belief.states[0], 0).argmax())
-    forced = model.after(belief.states[0], 0, 1 - chosen)[0]
-    usual = model.after(belief.states[0], 0, chosen)[0]
+    forced = model.transition(belief.states[0], 0, 1 - chosen)[0]
+    usual = model.transition(belief.states[0], 0, chosen)[0]
     if case == "never":
         return belief, 1, usual
     return belief, 1 - chosen, forced

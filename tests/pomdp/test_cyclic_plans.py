@@ -8,7 +8,7 @@ from small_problems import STARTS, lookahead, relaxed, small_model
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.pomdp import cyclic_plans
-from fatigue_planner.pomdp.cyclic_plans import MOST_PLANS, best_plan_value, plan_values
+from fatigue_planner.pomdp.cyclic_plans import MAX_PLANS, best_plan_value, plan_values
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans as all_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 
@@ -16,7 +16,7 @@ from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 def return_of(plan: tuple[int, ...], model: FatiguePomdp, fatigue: np.ndarray, cycles: int) -> float:
     """The plan's expected discounted return from the first two moments of every entry, cycle by cycle."""
     shape = (len(model.actions), len(model.outcomes), -1)
-    gain, offset = (table.reshape(shape)[..., : model.live.size] for table in model.arrays[:2])
+    gain, offset = (table.reshape(shape)[..., : model.active_entries.size] for table in model.arrays[:2])
     mean, square, total = fatigue.copy(), fatigue**2, 0.0
     for cycle in range(cycles):
         g, o = gain[plan[cycle % len(plan)]], offset[plan[cycle % len(plan)]]
@@ -31,7 +31,7 @@ def test_plans_are_all_sequences_that_repeat_no_shorter_one() -> None:
     assert len(plans) == len(set(plans)) == 2 + 2 + 6 + 12 + 30 + 54
     assert (0, 1, 0, 1) not in plans and (0, 0) not in plans and (1, 0) in plans
     assert all_plans(25) == [(a,) for a in range(25)] + [(a, b) for a, b in product(range(25), repeat=2) if a != b]
-    assert len(all_plans(10_000)) == 10_000 > MOST_PLANS  # single actions always
+    assert len(all_plans(10_000)) == 10_000 > MAX_PLANS  # single actions always
 
 
 def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,8 +16,8 @@ from test_particles import BLIND, FALSE_ALARM, NOISY, STARTS, small_model, z_sco
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.core.random_streams import draw_world
-from fatigue_planner.experiment.build import cycle_profiles, reaction_requests, situation
+from fatigue_planner.core.random_streams import draw_random_numbers
+from fatigue_planner.experiment.build import cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import cycle_profile
@@ -27,11 +27,11 @@ from fatigue_planner.planners.settings import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
-from fatigue_planner.pomdp.beliefs.registry import MOST_EXACT, ExactSettings, ParticleSettings, fitting, initial_belief
+from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, ExactSettings, ParticleSettings, fitting, initial_belief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, one_worker
 from fatigue_planner.pomdp.hidden_worker import Distribution, HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import draw
-from fatigue_planner.pomdp.scenario import Situation, average_worker
+from fatigue_planner.pomdp.scenario import Scenario, average_worker
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.runner import run_grid
@@ -53,11 +53,11 @@ FINITE = prior_of(
 )
 
 
-def in_mind(prior: WorkerPrior, recognition: np.ndarray | None = None) -> Situation:
+def in_mind(prior: WorkerPrior, recognition: np.ndarray | None = None) -> Scenario:
     """The small problem with a hidden worker, who starts in one of three states."""
     model = small_model(average_worker(prior), recognition)
     states = np.array([model.state(fatigue) for fatigue in STARTS])
-    return Situation(model, states, np.array([0.2, 0.5, 0.3]), prior, fitting(model.telling, prior))
+    return Scenario(model, states, np.array([0.2, 0.5, 0.3]), prior, fitting(model.observation_reveals_outcome, prior))
 
 
 def lived(world: FatiguePomdp, state: np.ndarray, cycles: int, seed: int) -> list[tuple[int, int]]:
@@ -65,7 +65,7 @@ def lived(world: FatiguePomdp, state: np.ndarray, cycles: int, seed: int) -> lis
     rng, past = np.random.default_rng(seed), []
     for action in rng.integers(0, 2, cycles):
         reaction = draw(world.probabilities(state, action), rng.random())
-        state, _ = world.after(state, action, reaction)
+        state, _ = world.transition(state, action, reaction)
         past.append((int(action), reaction))
     return past
 
@@ -110,7 +110,7 @@ def test_a_finite_prior_lists_its_workers() -> None:
 def test_the_belief_that_fits() -> None:
     tenth = {"kind": "choice", "values": [float(v) for v in range(1, 12)], "probabilities": [1 / 11] * 11}
     many = prior_of(fatigue_rate_factor=tenth, recovery_rate_factor=tenth, expertise=tenth)
-    assert many.size == 11**3 > MOST_EXACT
+    assert many.size == 11**3 > MAX_EXACT
     kinds = [fitting(sharp, p).kind for sharp, p in ((True, None), (True, FINITE), (False, FINITE), (True, many))]
     assert kinds == ["exact", "exact", "particles", "particles"] and fitting(True, CONTINUOUS).kind == "particles"
 
@@ -157,8 +157,8 @@ def test_every_worker_has_rows_of_its_own() -> None:
             probabilities = alone.probabilities(alone.state(STARTS[0]), action)
             np.testing.assert_array_equal(model.probabilities(state, action), probabilities)
             for reaction in range(2):
-                ours, cost = model.after(state, action, reaction)
-                theirs, expected = alone.after(alone.state(STARTS[0]), action, reaction)
+                ours, cost = model.transition(state, action, reaction)
+                theirs, expected = alone.transition(alone.state(STARTS[0]), action, reaction)
                 np.testing.assert_array_equal(ours[:-1], theirs[:-1])
                 assert ours[-1] == number and cost == expected
 
@@ -182,7 +182,7 @@ def test_exact_belief_over_workers_is_bayes_rule_by_hand() -> None:
             state = here.states[start]
             for action, reaction in past:
                 by_hand[start, number] *= alone.probabilities(state, action)[reaction]
-                state, _ = alone.after(state, action, reaction)
+                state, _ = alone.transition(state, action, reaction)
     for action, reaction in past:
         belief = belief.update(action, reaction, rng)
     np.testing.assert_allclose(belief.weights, (by_hand / by_hand.sum()).ravel(), rtol=1e-9)
@@ -493,11 +493,15 @@ def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
 
 
 def test_a_condition_of_the_papers_task(tmp_path: Path, reactions: tuple[Reaction, ...]) -> None:
-    """From file to situation: live entries, observations, prior."""
+    """From file to scenario: live entries, observations, prior."""
     experiment = load_experiment(write(tmp_path / "mine.yaml"))
     condition = experiment.benchmark.conditions["single_novice"]
-    here = situation(experiment, cycle_profiles(experiment, reactions), condition)
-    assert here.prior is not None and not here.model.telling and here.model.observations == ("arm", "back", "unclear")
+    here = scenario(experiment, cycle_profiles(experiment, reactions), condition)
+    assert (
+        here.prior is not None
+        and not here.model.observation_reveals_outcome
+        and here.model.observations == ("arm", "back", "unclear")
+    )
     assert here.model.workers.expertise.tolist() == [5000.0] and here.belief.kind == "particles"
     belief = here.initial_belief("prior", here.model, np.random.default_rng(0))
     assert len(belief.states) == 40
@@ -519,8 +523,8 @@ def test_the_experiment_is_what_its_file_says(paper: Experiment, reactions: tupl
     profiles = cycle_profiles(experiment, reactions)
     sizes = {}
     for name, condition in experiment.benchmark.conditions.items():
-        here = situation(experiment, profiles, condition)
-        world = draw_world(1, name, 3, 0)
+        here = scenario(experiment, profiles, condition)
+        world = draw_random_numbers(1, name, 3, 0)
         truth = here.worker(world.worker)
         sizes[name] = [
             len(here.initial_belief(k, truth, np.random.default_rng(0)).weights) for k in ("prior", "average", "truth")

@@ -116,7 +116,7 @@ def test_another_unit_of_reward_changes_no_decision(
 
 @pytest.mark.parametrize("recognition", [None, NOISY])
 def test_a_state_told_twice_is_the_same_state(recognition: np.ndarray | None) -> None:
-    """Splitting states of a belief, or telling them in another order, changes no value and no later belief."""
+    """Splitting states of a belief, or listing them in another order, changes no value and no later belief."""
     belief = two_workers(recognition)
     place = [3, 0, 2, 1, 0]
     weights = belief.weights[place] * [1, 0.25, 1, 1, 0.75]

@@ -143,7 +143,7 @@ def test_impossible_reactions_never_raise(expertise: float) -> None:
     for belief in (ParticleBelief.begin(model, states), ExactBelief(model, states[:1], np.ones(1))):
         after = belief.update(0, impossible, rng)
         assert after.surprised and after.weights.sum() == pytest.approx(1)
-        expected, _ = model.after(states[0], 0, impossible)
+        expected, _ = model.transition(states[0], 0, impossible)
         np.testing.assert_allclose(after.states, np.tile(expected, (len(after.states), 1)))
         assert not after.update(0, int(model.probabilities(expected, 0).argmax()), rng).surprised
 
@@ -170,7 +170,7 @@ def test_an_impossible_reaction_noisily_recognised_widens_the_belief() -> None:
     action = next(a for a in range(2) if model.probabilities(state, a)[0] == 1)
     after = ExactBelief(model, state[None], np.ones(1)).update(action, 1, np.random.default_rng(0))
     assert after.surprised
-    np.testing.assert_allclose(after.states, model.after(state, action, 1)[0][None])
+    np.testing.assert_allclose(after.states, model.transition(state, action, 1)[0][None])
 
 
 def test_exact_belief_forgets_no_state_that_is_possible() -> None:

@@ -19,7 +19,7 @@ from small_problems import (
     two_workers,
 )
 
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import fatigue_parameters
@@ -58,21 +58,21 @@ def test_choice_does_not_depend_on_a_common_cost() -> None:
 def test_live_entries_change_nothing(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Cost, reward and choice from the live entries are those from all 78."""
     condition = paper.benchmark.conditions["multiple_novice"].model_copy(update={"expertise": 50.0})
-    one = situation(paper, cycle_profiles(paper, reactions), condition)
+    one = scenario(paper, cycle_profiles(paper, reactions), condition)
     model, state = one.model, one.states[1]
-    assert model.entries == 78 and len(model.live) < 40
-    assert state.size == len(model.live) + -len(model.live) % LANES + 1
+    assert model.entries == 78 and len(model.active_entries) < 40
+    assert state.size == len(model.active_entries) + -len(model.active_entries) % LANES + 1
     parameters = fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
     maps = {
         str(r.name): cycle_profile(r.motion.torque_nm, r.motion.time_step_s, parameters).cycle_map() for r in reactions
     }
     full = np.zeros(78)
-    full[model.live] = state[: len(model.live)]
+    full[model.active_entries] = state[: len(model.active_entries)]
     np.testing.assert_array_equal(model.state(full), state)
     for a, action in enumerate(model.actions):
         after = np.array([maps[f"average_man/{action}/{u}"].apply(full) for u in model.outcomes])
         costs = (after**2).sum(axis=1) / 78
-        moved, rewards = zip(*(model.after(state, a, u) for u in range(len(model.outcomes))), strict=True)
+        moved, rewards = zip(*(model.transition(state, a, u) for u in range(len(model.outcomes))), strict=True)
         np.testing.assert_allclose(rewards, -costs, rtol=1e-12)
         np.testing.assert_allclose(moved, [model.state(fatigue) for fatigue in after], rtol=1e-12)
         np.testing.assert_allclose(model.probabilities(state, a), choice_probabilities(costs, 50.0), rtol=1e-9)
@@ -83,18 +83,18 @@ def test_a_task_that_tires_nobody_can_be_planned() -> None:
     none, rates = np.zeros((1, 3)), (np.ones(3), np.ones(3))
     profiles = {(a, u): CycleProfile(none, none, none, np.full(3, 9.0), *rates) for a, u in product("ab", "xy")}
     model = build_pomdp("ab", "xy", profiles, np.zeros((1, 3)), one_worker(0.0), 0.95)
-    assert model.live.size == 0
+    assert model.active_entries.size == 0
     decision = PomcpPolicy(pomcp(20)).act(relaxed(model), np.random.default_rng(0))
     assert decision.action == 0 and not decision.values.any()
 
 
 def test_initial_beliefs_are_the_papers(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     profiles = cycle_profiles(paper, reactions)
-    multiple = situation(paper, profiles, paper.benchmark.conditions["multiple_novice"])
+    multiple = scenario(paper, profiles, paper.benchmark.conditions["multiple_novice"])
     belief = multiple.initial_belief("prior", multiple.model, np.random.default_rng(0))
     np.testing.assert_allclose(belief.weights, [0.2, 0.4, 0.4])
     np.testing.assert_allclose(belief.states.sum(axis=1), [0, 1, 1])  # both entries of one joint at 0.5
-    single = situation(paper, profiles, paper.benchmark.conditions["single_expert"])
+    single = scenario(paper, profiles, paper.benchmark.conditions["single_expert"])
     assert single.weights.tolist() == [1] and not single.states.any()
     assert multiple.model.discount == 0.95
 

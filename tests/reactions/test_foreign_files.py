@@ -28,16 +28,16 @@ from foreign import (
     zip_entry,
 )
 
-from fatigue_planner.core.errors import BundleError, DamagedFileError, OtherVersionError
+from fatigue_planner.core.errors import ArchiveError, DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import canonical_json
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.reactions import sandbox
-from fatigue_planner.reactions.archive import import_bundle
+from fatigue_planner.reactions.archive import import_archive
 from fatigue_planner.reactions.cache import ReactionCache, read_content
 from fatigue_planner.reactions.hdf5_layout import (
     ARRAYS,
-    MOST_BYTES,
-    MOST_TEXT,
+    MAX_BYTES,
+    MAX_TEXT,
     entry_bytes,
     read_entry,
     read_key,
@@ -45,8 +45,8 @@ from fatigue_planner.reactions.hdf5_layout import (
 )
 from fatigue_planner.reactions.reaction import ReactionKey, file_name
 
-MOST_CPU_S = 2.0
-MOST_MIB = 800  # of the process that reads; it has some 45 at rest, and some 620 after the longest motion there can be
+MAX_CPU_S = 2.0
+MAX_MIB = 800  # of the process that reads; it has some 45 at rest, and some 620 after the longest motion there can be
 
 Build = Callable[[Path], bytes]
 
@@ -280,7 +280,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "settings that are none": (key('{"settings":[],"sources":{},"versions":{}}'), "its key is none"),
     "no text": (text("key", b"\xff\xfe"), NOT_OURS),
     "another key": (key(valid_key(tool={"mass_kg": 4})), "numbers do not match their hash"),
-    "a key of 1 MB": (text("key", b"x" * (MOST_TEXT + 1)), "key is longer than 1000000 bytes"),
+    "a key of 1 MB": (text("key", b"x" * (MAX_TEXT + 1)), "key is longer than 1000000 bytes"),
     "a quality with a field more": (quality(more=1), "not as this program writes"),
     "a quality with a text for a number": (quality(record_error="0"), "quality record_error: Input should be a valid"),
     "a quality with NaN": (quality(record_error=float("nan")), NOT_OURS),
@@ -364,7 +364,7 @@ def test_a_crafted_file_is_refused_in_one_line(case: str, outside: Path) -> None
     with pytest.raises((DamagedFileError, OtherVersionError), match=message) as caught:
         read_entry(content, "f.h5")
     assert str(caught.value).isprintable() and len(str(caught.value)) < 400
-    assert cpu_s() - before < MOST_CPU_S and peak_mib() < MOST_MIB
+    assert cpu_s() - before < MAX_CPU_S and peak_mib() < MAX_MIB
     assert read_entry(small_entry(), "own").digest == small_reaction().digest
     assert not watched.opened()
     outside.read_bytes()
@@ -380,7 +380,7 @@ def test_what_is_strange_but_right_is_read_right(case: str, outside: Path) -> No
     assert read.motion.phases == original.motion.phases
     for array in ARRAYS:
         np.testing.assert_array_equal(getattr(read.motion, array), getattr(original.motion, array))
-    assert peak_mib() < MOST_MIB
+    assert peak_mib() < MAX_MIB
 
 
 def test_a_key_of_almost_1_mb_is_read() -> None:
@@ -415,7 +415,7 @@ def judged(seeds: range) -> Counter[str]:
             assert (read.name, read.key, read.quality) == (original.name, original.key, original.quality), seed
             assert read.motion.phases == original.motion.phases, seed
             assert all(np.array_equal(getattr(read.motion, one), getattr(original.motion, one)) for one in ARRAYS), seed
-        assert peak_mib() < MOST_MIB
+        assert peak_mib() < MAX_MIB
     return counts
 
 
@@ -430,7 +430,7 @@ def broken_files(folder: Path) -> dict[str, tuple[Path, str]]:
     (folder / "zero").symlink_to("/dev/zero")
     (folder / "itself").symlink_to(folder / "itself")
     with (folder / "sparse").open("wb") as file:
-        file.truncate(MOST_BYTES + 1)
+        file.truncate(MAX_BYTES + 1)
     (folder / "empty").touch()
     (folder / "bare").write_bytes(small_entry()[512:])
     return {
@@ -439,7 +439,7 @@ def broken_files(folder: Path) -> dict[str, tuple[Path, str]]:
         "dangling": (folder / "dangling", "cannot be read"),
         "zero": (folder / "zero", "is not a file"),
         "itself": (folder / "itself", "cannot be read"),
-        "sparse": (folder / "sparse", f"has {MOST_BYTES + 1} bytes; none of ours has more"),
+        "sparse": (folder / "sparse", f"has {MAX_BYTES + 1} bytes; none of ours has more"),
         "empty": (folder / "empty", "does not match its hash"),
         "bare": (folder / "bare", "has no seal"),
     }
@@ -455,7 +455,7 @@ def test_what_is_no_file_of_ours_is_refused_at_once(case: str, tmp_path: Path) -
     before = cpu_s()
     with pytest.raises((DamagedFileError, OtherVersionError), match=message):
         store.read(entry)
-    assert cpu_s() - before < MOST_CPU_S
+    assert cpu_s() - before < MAX_CPU_S
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the administrator may read everything")
@@ -523,8 +523,8 @@ BUNDLES: dict[str, tuple[Callable[[], bytes], str]] = {
     "sizes afterwards": (lambda: zip_entry(MEMBER, b"x", flags=8), "not stored as"),
     "two sizes": (lambda: zip_entry(MEMBER, b"x", size=2), "not stored as"),
     "zip64": (lambda: zip_entry(MEMBER, b"x", size=2**32 - 1, stored=2**32 - 1), "none of ours has more"),
-    "a lying size": (lambda: zip_entry(MEMBER, b"x", size=MOST_BYTES, stored=MOST_BYTES) + ZIP_END, "was cut off in"),
-    "a size too large": (lambda: zip_entry(MEMBER, b"x", size=MOST_BYTES + 1, stored=MOST_BYTES + 1), "none of ours"),
+    "a lying size": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES, stored=MAX_BYTES) + ZIP_END, "was cut off in"),
+    "a size too large": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES + 1, stored=MAX_BYTES + 1), "none of ours"),
     "entries within entries": (lambda: zip_entry(MEMBER, zip_entry(MEMBER, b"x"), size=40, stored=40), "no bundle"),
     "100,001 entries": (lambda: zip_entry(b"", b"") * 100_001 + ZIP_END, "has more than 100000 entries"),
 }  # fmt: skip
@@ -536,10 +536,10 @@ def test_a_crafted_bundle_is_refused_in_one_line(case: str, tmp_path: Path) -> N
     path = tmp_path / "b.zip"
     path.write_bytes(build())
     before = cpu_s()
-    with pytest.raises(BundleError, match=message) as caught:
-        for one in import_bundle(path, ReactionCache(tmp_path / "cache")):
+    with pytest.raises(ArchiveError, match=message) as caught:
+        for one in import_archive(path, ReactionCache(tmp_path / "cache")):
             assert one.refused
-    assert str(caught.value).isprintable() and cpu_s() - before < MOST_CPU_S
+    assert str(caught.value).isprintable() and cpu_s() - before < MAX_CPU_S
     assert [path.name for path in tmp_path.iterdir()] == ["b.zip"]
 
 
@@ -551,7 +551,7 @@ def test_names_in_a_bundle_lead_nowhere(name: str, tmp_path: Path) -> None:
     with zipfile.ZipFile(inner, "w") as archive:
         archive.writestr(zipfile.ZipInfo("x.h5"), small_entry())
     path.write_bytes(twice + zip_entry(b"inner.zip", inner.read_bytes()) + ZIP_END)
-    found = list(import_bundle(path, ReactionCache(tmp_path / "cache")))
+    found = list(import_archive(path, ReactionCache(tmp_path / "cache")))
     assert len(found) == 3 and all(one.refused and one.refused.isprintable() for one in found)
     assert {path.name for path in tmp_path.iterdir()} == {"b.zip", "inner.zip"}
 
@@ -560,7 +560,7 @@ def test_an_entry_of_other_code_is_not_taken(tmp_path: Path) -> None:
     own = file_name(small_reaction().name, small_reaction().digest)
     path = tmp_path / "b.zip"
     path.write_bytes(zip_entry(own.encode(), small_entry()) + ZIP_END)
-    (one,) = import_bundle(path, ReactionCache(tmp_path / "cache"))
+    (one,) = import_archive(path, ReactionCache(tmp_path / "cache"))
     assert "was made by other sources or libraries" in one.refused
 
 
@@ -571,12 +571,12 @@ def test_a_bundle_that_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) 
         os.mkfifo(path)
     elif kind == "folder":
         path.mkdir()
-    with pytest.raises(BundleError, match="No such file" if kind == "none" else "is not a file"):
-        list(import_bundle(path, ReactionCache(tmp_path / "cache")))
+    with pytest.raises(ArchiveError, match="No such file" if kind == "none" else "is not a file"):
+        list(import_archive(path, ReactionCache(tmp_path / "cache")))
 
 
 def test_hostile_settings_are_one_line(tmp_path: Path) -> None:
-    """Current in everything but what it describes: refused by the audit, without an end of the program."""
+    """Current in everything but what it describes: refused by the verify_entry, without an end of the program."""
     from fatigue_planner.reactions.reaction import sources, versions
 
     settings: list[dict[str, object]] = [
@@ -587,7 +587,7 @@ def test_hostile_settings_are_one_line(tmp_path: Path) -> None:
         reaction = replace(small_reaction(), key=ReactionKey(one, sources(), versions()))
         content += zip_entry(file_name(reaction.name, reaction.digest).encode(), entry_bytes(reaction))
     (tmp_path / "b.zip").write_bytes(content + ZIP_END)
-    found = list(import_bundle(tmp_path / "b.zip", ReactionCache(tmp_path / "cache")))
+    found = list(import_archive(tmp_path / "b.zip", ReactionCache(tmp_path / "cache")))
     assert len(found) == len(settings)
     for one in found:
         assert "not those of this version" in one.refused and one.refused.isprintable() and len(one.refused) < 400

@@ -21,7 +21,7 @@ from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry, sealed
 from fatigue_planner.reactions.reaction import Reaction, ReactionKey
-from fatigue_planner.reactions.verify import audit
+from fatigue_planner.reactions.verify import verify_entry
 
 
 @pytest.fixture
@@ -204,7 +204,7 @@ def test_a_degraded_motion_is_kept_and_says_so(brief: Experiment, tmp_path: Path
     assert [outcome.verdict for outcome in (*first, *again)] == ["degraded", "degraded"]
     assert again[0].found and again[0].quality == first[0].quality
     (file,) = ReactionCache(tmp_path).files()
-    assert audit(file).verdict == "degraded" and "ticks" in audit(file).reason
+    assert verify_entry(file).verdict == "degraded" and "ticks" in verify_entry(file).reason
 
 
 def test_two_names_of_the_same_reaction_are_simulated_once(brief: Experiment, tmp_path: Path) -> None:
@@ -234,16 +234,16 @@ def test_an_entry_of_another_format_is_said_so(reactions: tuple[Reaction, ...], 
 
 def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
     """A stored motion that does not keep its bars is found, even behind a valid hash."""
-    good = audit(ReactionCache(cache_folder).files()[0])
+    good = verify_entry(ReactionCache(cache_folder).files()[0])
     assert (good.verdict, good.reason, good.damaged) == ("ok", "", False)
     torque = reactions[0].motion.torque_nm.copy()
     torque[100, 3] += 1e-3
     forged = replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque))
-    found = audit(keep(tmp_path, forged))
+    found = verify_entry(keep(tmp_path, forged))
     assert found.verdict == "failed" and not found.damaged
     assert "equation_of_motion_nm = 1.00e-03 (allowed: 1e-08)" in found.reason and "stored as" in found.reason
     strange = replace(reactions[0], key=other_key(reactions[0], action={"position": 1}))
-    assert "not those of this version" in audit(keep(tmp_path, strange)).reason
+    assert "not those of this version" in verify_entry(keep(tmp_path, strange)).reason
 
 
 def test_a_motion_longer_than_its_settings_say_is_noticed(
@@ -253,7 +253,7 @@ def test_a_motion_longer_than_its_settings_say_is_noticed(
     rows = {name: np.concatenate([getattr(motion, name)] * 2) for name in ARRAYS}
     phases = tuple(Phase(name, 2 * start, 2 * stop) for name, start, stop in motion.phases)
     path = keep(tmp_path, replace(reactions[0], motion=replace(motion, phases=phases, **rows)))
-    assert audit(path).verdict == "failed" and "another length" in audit(path).reason
+    assert verify_entry(path).verdict == "failed" and "another length" in verify_entry(path).reason
     request = next(one for one in reaction_requests(paper) if one.digest == reactions[0].digest)
     with pytest.raises(DamagedFileError, match="another length"):
         ReactionCache(tmp_path).load([request], "fatplan simulate")

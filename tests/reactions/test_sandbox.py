@@ -1,4 +1,4 @@
-"""The process that reads HDF5: what happens to it does not happen to the one that asks."""
+"""The process that reads HDF5: what happens to it does not sample_step to the one that asks."""
 
 import os
 import signal
@@ -109,7 +109,7 @@ def test_a_reader_that_dies_once_while_it_reads_is_asked_again(slow_content: byt
 
 def test_a_file_that_takes_too_long_is_refused(slow_content: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
     reader()
-    monkeypatch.setattr(sandbox, "MOST_SECONDS", 0.05)
+    monkeypatch.setattr(sandbox, "MAX_SECONDS", 0.05)
     with pytest.raises(UnreadableError, match="takes too long to read"):
         read_hdf5(slow_content, LAYOUT)
     reader()
@@ -123,7 +123,7 @@ def test_a_file_that_takes_too_long_is_refused(slow_content: bytes, monkeypatch:
 
 def test_a_stopped_reader_is_not_waited_for_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
     os.kill(reader(), signal.SIGSTOP)
-    monkeypatch.setattr(sandbox, "MOST_SECONDS", 0.1)
+    monkeypatch.setattr(sandbox, "MAX_SECONDS", 0.1)
     monkeypatch.setattr(sandbox, "PATIENCE_S", 0.1)
     with pytest.raises(UnreadableError, match="takes too long to read"):
         read_hdf5(small_entry(), LAYOUT)

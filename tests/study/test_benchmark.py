@@ -13,9 +13,9 @@ from small_problems import STARTS, belief_in, small_model
 
 from fatigue_planner.core.errors import DamagedFileError, MissingTableError, SelectionError
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.core.files import publish_sealed
-from fatigue_planner.core.random_streams import World, draw_world, stream
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.core.files import publish_with_checksum
+from fatigue_planner.core.random_streams import RandomNumbers, draw_random_numbers, random_stream
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.policy import Decision, Policy, plain_decision
 from fatigue_planner.planners.settings import (
@@ -28,7 +28,7 @@ from fatigue_planner.planners.settings import (
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark import cell as cell_module
 from fatigue_planner.study.benchmark.cell import Cell
@@ -51,7 +51,7 @@ from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.01, descents=60)
 
 
-def cell_of(condition: str, one: Situation, n_cycles: int, policy: str, settings: PolicySettings) -> Cell:
+def cell_of(condition: str, one: Scenario, n_cycles: int, policy: str, settings: PolicySettings) -> Cell:
     return Cell(condition, n_cycles, policy, settings, one, seed=7, trials=12)
 
 
@@ -64,14 +64,14 @@ def cells() -> list[Cell]:
         "single_expert": (math.inf, rest, [1.0]),
         "multiple_novice": (0.0, several, [0.2, 0.4, 0.4]),
     }
-    situations = {}
+    scenarios = {}
     for name, (expertise, starts, weights) in conditions.items():
         belief = belief_in(small_model(expertise), starts, weights)
-        situations[name] = Situation(belief.model, belief.states, belief.weights, None, ExactSettings(kind="exact"))
+        scenarios[name] = Scenario(belief.model, belief.states, belief.weights, None, ExactSettings(kind="exact"))
     policies = {"random": RandomSettings(kind="random"), "greedy": GreedySettings(kind="greedy"), "search": SEARCH}
     return [
         cell_of(condition, one, n_cycles, policy, settings)
-        for condition, one in situations.items()
+        for condition, one in scenarios.items()
         for n_cycles in (2, 5)
         for policy, settings in policies.items()
     ]
@@ -97,9 +97,9 @@ class Fixed(Policy):
 def test_return_is_the_discounted_sum_by_hand(cells: list[Cell]) -> None:
     """The policy hears of every cycle, and its belief follows what happened."""
     cell = cells[0]
-    model, policy = cell.situation.model, Fixed(1)
-    world = World(np.zeros(3), 0.0, np.array([0.1, 0.9]), np.zeros(2))
-    result = run_trial(cell.situation, policy, "prior", 2, world, np.random.default_rng(0))
+    model, policy = cell.scenario.model, Fixed(1)
+    world = RandomNumbers(np.zeros(3), 0.0, np.array([0.1, 0.9]), np.zeros(2))
+    result = run_trial(cell.scenario, policy, "prior", 2, world, np.random.default_rng(0))
     gain, offset = model.arrays.gain, model.arrays.offset  # rows: action * 2 + preference
     first = gain[2] * 0 + offset[2]
     second = gain[3] * first + offset[3]
@@ -111,29 +111,33 @@ def test_return_is_the_discounted_sum_by_hand(cells: list[Cell]) -> None:
 
 
 def test_worlds_depend_on_condition_length_and_trial_only() -> None:
-    base = draw_world(1, "novice", 5, 0)
-    again = draw_world(1, "novice", 5, 0)
+    base = draw_random_numbers(1, "novice", 5, 0)
+    again = draw_random_numbers(1, "novice", 5, 0)
     for name in ("worker", "preference", "observation"):
         np.testing.assert_array_equal(getattr(base, name), getattr(again, name))
-    for other in (draw_world(2, "novice", 5, 0), draw_world(1, "expert", 5, 0), draw_world(1, "novice", 5, 1)):
+    for other in (
+        draw_random_numbers(2, "novice", 5, 0),
+        draw_random_numbers(1, "expert", 5, 0),
+        draw_random_numbers(1, "novice", 5, 1),
+    ):
         assert not np.array_equal(base.preference, other.preference) and base.start != other.start
         assert not np.array_equal(base.worker, other.worker) and not np.array_equal(base.observation, other.observation)
-    assert not np.array_equal(draw_world(1, "novice", 20, 0).preference[:5], base.preference)
+    assert not np.array_equal(draw_random_numbers(1, "novice", 20, 0).preference[:5], base.preference)
 
 
 def test_all_policies_meet_the_same_worker_and_cannot_see_him(cells: list[Cell]) -> None:
     """Reactions follow the world's draws alone, however much a policy draws; its stream is its own."""
     cell = cells[0]
-    world = draw_world(3, "c", 30, 4)
+    world = draw_random_numbers(3, "c", 30, 4)
     starts = []
     for seed in (0, 1):
         policy = Fixed(0)
-        run_trial(cell.situation, policy, "prior", 30, world, np.random.default_rng(seed))
+        run_trial(cell.scenario, policy, "prior", 30, world, np.random.default_rng(seed))
         starts.append(policy.beliefs[-1].states)
     np.testing.assert_array_equal(*starts)
     planner, chance = (
-        stream(3, "planner", "c", 30, 4, "p").random(1000),
-        stream(3, "preference", "c", 30, 4).random(1000),
+        random_stream(3, "planner", "c", 30, 4, "p").random(1000),
+        random_stream(3, "preference", "c", 30, 4).random(1000),
     )
     assert abs(np.corrcoef(planner, chance)[0, 1]) < 5 / np.sqrt(1000)  # false alarm 6e-7
 
@@ -154,7 +158,7 @@ def test_every_run_plans_with_draws_of_its_own(cells: list[Cell], monkeypatch: p
     for cell in cells:
         cell.run([0, 1])
     for key in {(cell.seed, cell.condition, cell.n_cycles) for cell in cells}:
-        for world in (draw_world(*key, trial) for trial in (0, 1)):
+        for world in (draw_random_numbers(*key, trial) for trial in (0, 1)):
             drawn += [*world.worker, world.start, *world.preference, *world.observation]
     assert len(set(drawn)) == len(drawn) > 10 * len(cells)
 
@@ -166,12 +170,12 @@ def test_novices_choose_evenly_and_start_with_the_initial_probabilities(
     from scipy.stats import binomtest, chisquare
 
     condition = "multiple_novice"
-    one = situation(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
-    costs = np.array([[-one.model.after(state, 0, u)[1] for u in range(2)] for state in one.states])
+    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
+    costs = np.array([[-one.model.transition(state, 0, u)[1] for u in range(2)] for state in one.states])
     assert len(set(costs.ravel())) == costs.size  # the cost tells which start and preference it was
     seen = np.zeros(costs.shape, dtype=int)
     for trial in range(3000):
-        world = draw_world(2023, condition, 1, trial)
+        world = draw_random_numbers(2023, condition, 1, trial)
         result = run_trial(one, Fixed(0), "prior", 1, world, np.random.default_rng(0))
         seen[costs == result.final_cost] += 1
     assert seen.sum() == 3000
@@ -233,10 +237,10 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
     from dataclasses import replace
 
     cell = cells[0]
-    one = cell.situation
+    one = cell.scenario
     model = one.model
     maps = model.arrays
-    situations = [
+    scenarios = [
         replace(one, model=replace(model, discount=0.9)),
         replace(one, model=model.for_workers(one_worker(1.0))),
         replace(one, model=replace(model, arrays=maps._replace(gain=maps.gain * 0.999))),
@@ -245,7 +249,7 @@ def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
     others = [
         replace(cell, seed=8), replace(cell, n_cycles=3), replace(cell, policy="p"), replace(cell, condition="c"),
         replace(cell, settings=SEARCH), replace(cell, settings=SEARCH.model_copy(update={"descents": 61})),
-        *(replace(cell, situation=other) for other in situations),
+        *(replace(cell, scenario=other) for other in scenarios),
     ]  # fmt: skip
     assert len({cell.digest(), *(other.digest() for other in others)}) == 1 + len(others)
     assert replace(cell, trials=99).digest() == cell.digest()
@@ -320,9 +324,9 @@ def test_two_rows_of_a_trial_in_one_part_are_an_error_too(cells: list[Cell], tmp
     cell = cells[0]
     rows = [{"trial": 0, **asdict(result)} for result in cell.run([0, 0, 1]).values()]
     path = tmp_path / cell.digest()[:16] / "0-0.json"
-    publish_sealed(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows[:1] * 2})
+    publish_with_checksum(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows[:1] * 2})
     assert list(TrialStore(tmp_path).load(cell)) == [0]
-    publish_sealed(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows})
+    publish_with_checksum(path, {"cell": cell.name, "digest": cell.digest(), "trials": rows})
     with pytest.raises(DamagedFileError, match="trial 0 of single_novice/2/random has two results"):
         TrialStore(tmp_path).load(cell)
 

@@ -22,7 +22,7 @@ Samples = dict[str, np.ndarray]
 
 
 def normal(rng: np.random.Generator) -> Samples:
-    """World and chance of the planner as large as each other: correlation 1/2."""
+    """RandomNumbers and chance of the planner as large as each other: correlation 1/2."""
     world = rng.normal(size=TRIALS) - 20
     return {name: world + rng.normal(size=TRIALS) for name in "ab"}
 

@@ -12,7 +12,7 @@ import pytest
 from contrast_tables import shared_worlds, trial_table
 
 from fatigue_planner.core.errors import UnknownContrastError
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.contrast_text import contrast_text
@@ -166,7 +166,7 @@ def test_bca_in_plain_python_with_the_same_draws(golden: Contrast) -> None:
     """Efron (1987): percentiles shifted by the bias and the acceleration, which the jackknife gives."""
     d = [float(x) for x in SAMPLES["a"] - SAMPLES["b"]]
     n, normal = len(d), NormalDist()
-    draws = stream(7, "bootstrap", "novice", 5, "a", "b").integers(0, n, (999, n))
+    draws = random_stream(7, "bootstrap", "novice", 5, "a", "b").integers(0, n, (999, n))
     means = sorted(math.fsum(d[i] for i in row) / n for row in draws.tolist())
     middle = math.fsum(d) / n
     bias = normal.inv_cdf(sum(mean < middle for mean in means) / 999)
@@ -207,10 +207,10 @@ def test_many_pairs_are_flipped_at_random() -> None:
 
 
 def test_batches_of_draws_change_nothing(golden: Contrast, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fatigue_planner.study.statistics import hypotheses, intervals
+    from fatigue_planner.study.statistics import hypothesis_tests, intervals
 
-    for module in (hypotheses, intervals):
-        monkeypatch.setattr(module, "MOST_DRAWS", 40 * 64)
+    for module in (hypothesis_tests, intervals):
+        monkeypatch.setattr(module, "MAX_DRAWS", 40 * 64)
     assert contrast_of(contrasts(TABLE, SETTINGS, seed=7), "novice", 5, "a", "b") == golden
 
 

@@ -10,8 +10,8 @@ import pytest
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.core.random_streams import draw_world
-from fatigue_planner.experiment.build import cycle_profiles, situation
+from fatigue_planner.core.random_streams import draw_random_numbers
+from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.bounds.cost_bound import bound_of
 from fatigue_planner.planners.lookahead import LookaheadPolicy
@@ -24,11 +24,11 @@ from fatigue_planner.planners.settings import (
     ReferenceSettings,
 )
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.regret import Judgement
+from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.tables import REGRET_FILE, REGRETS, publish_table, read_table, regret_rows
 from fatigue_planner.study.benchmark.trial import cycle_of
@@ -40,23 +40,23 @@ SAME = LookaheadSettings(kind="lookahead", depth=3)
 
 
 @pytest.fixture(scope="module")
-def situations(paper: Experiment, reactions: tuple[Reaction, ...]) -> dict[str, Situation]:
+def scenarios(paper: Experiment, reactions: tuple[Reaction, ...]) -> dict[str, Scenario]:
     profiles = cycle_profiles(paper, reactions)
-    return {name: situation(paper, profiles, one) for name, one in paper.benchmark.conditions.items()}
+    return {name: scenario(paper, profiles, one) for name, one in paper.benchmark.conditions.items()}
 
 
-def cell(one: Situation, name: str, settings, **changes) -> Cell:
+def cell(one: Scenario, name: str, settings, **changes) -> Cell:
     return Cell("c", 6, name, settings, one, 5, 3, **changes)
 
 
-def judged(one: Cell, reference: ReferenceSettings = REFERENCE) -> Judgement:
+def judged(one: Cell, reference: ReferenceSettings = REFERENCE) -> RegretJob:
     runs = one.run(one.trial_numbers())
-    return Judgement(one, reference, {trial: run.actions for trial, run in runs.items()})
+    return RegretJob(one, reference, {trial: run.actions for trial, run in runs.items()})
 
 
-def test_regret_is_what_the_decisions_lose_by_the_references_values(situations: dict[str, Situation]) -> None:
+def test_regret_is_what_the_decisions_lose_by_the_references_values(scenarios: dict[str, Scenario]) -> None:
     """An expert from one state: the run can be followed by hand."""
-    one = situations["single_expert"]
+    one = scenarios["single_expert"]
     regret = judged(cell(one, "alternating", AlternatingSettings(kind="alternating"))).run([0])[0]
     belief, losses, rng = one.initial_belief("prior", one.model, np.random.default_rng(0)), [], np.random.default_rng(0)
     for cycle in range(6):
@@ -70,13 +70,13 @@ def test_regret_is_what_the_decisions_lose_by_the_references_values(situations: 
     assert regret.agreement == np.mean(np.array(losses) == 0)
 
 
-def test_the_reference_loses_nothing(situations: dict[str, Situation]) -> None:
-    own = judged(cell(situations["multiple_novice"], "reference", SAME))
+def test_the_reference_loses_nothing(scenarios: dict[str, Scenario]) -> None:
+    own = judged(cell(scenarios["multiple_novice"], "reference", SAME))
     assert all((r.run_loss, r.agreement) == (0, 1) for r in own.run(range(3)).values())
 
 
-def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_path: Path) -> None:
-    own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
+def test_regret_is_stored_and_published(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
+    own = judged(cell(scenarios["single_novice"], "greedy", GreedySettings(kind="greedy")))
     first, _ = run_grid([own], tmp_path / "parts", LocalProcesses(1), lambda _job, _n: None)
     again, _ = run_grid([own], tmp_path / "parts", LocalProcesses(1), lambda _job, _n: None)
     assert first == again == [own.run(range(3))]
@@ -87,28 +87,28 @@ def test_regret_is_stored_and_published(situations: dict[str, Situation], tmp_pa
     assert len({own.digest(), own.cell.digest(), deeper.digest()}) == 3
 
 
-def test_regret_of_other_actions_is_measured_again(situations: dict[str, Situation], tmp_path: Path) -> None:
+def test_regret_of_other_actions_is_measured_again(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
     """A policy with a time budget may act otherwise when its runs are made again."""
-    own = judged(cell(situations["single_novice"], "greedy", GreedySettings(kind="greedy")))
+    own = judged(cell(scenarios["single_novice"], "greedy", GreedySettings(kind="greedy")))
     other = replace(own, actions={trial: tuple(1 - action for action in own.actions[trial]) for trial in own.actions})
     (first,), _ = run_grid([own], tmp_path, LocalProcesses(1), lambda _job, _n: None)
     (second,), _ = run_grid([other], tmp_path, LocalProcesses(1), lambda _job, _n: None)
     assert second == other.run(range(3)) and all(second[trial] != first[trial] for trial in first)
 
 
-def test_the_judge_believes_what_the_policy_could(situations: dict[str, Situation]) -> None:
+def test_the_judge_believes_what_the_policy_could(scenarios: dict[str, Scenario]) -> None:
     """Which of three states a run began in shows only in what was observed: the judge follows it."""
-    one = situations["multiple_novice"]
+    one = scenarios["multiple_novice"]
     runs = cell(one, "greedy", GreedySettings(kind="greedy"))
     result = runs.run([1])[1]
-    world, rng = draw_world(5, "c", 6, 1), np.random.default_rng(0)
+    world, rng = draw_random_numbers(5, "c", 6, 1), np.random.default_rng(0)
     belief, state, losses = one.initial_belief("prior", one.model, rng), one.start(world.start), []
     for cycle, action in enumerate(result.actions):
         values = LookaheadPolicy(REFERENCE).values(belief, rng)
         losses.append(values.max() - values[action])
         state, _, seen = cycle_of(one.model, state, action, world, cycle)
         belief = belief.update(action, seen, rng)
-    regret = Judgement(runs, REFERENCE, {1: result.actions}).run([1])[1]
+    regret = RegretJob(runs, REFERENCE, {1: result.actions}).run([1])[1]
     assert regret.decision_loss == pytest.approx(np.mean(losses), rel=1e-9) and max(losses) > 0
 
 
@@ -128,9 +128,9 @@ def test_regret_table_by_hand() -> None:
     assert "reference: the oracle" in text and "20.000%" in text
 
 
-def test_the_reference_is_as_deep_as_is_affordable(situations: dict[str, Situation]) -> None:
+def test_the_reference_is_as_deep_as_is_affordable(scenarios: dict[str, Scenario]) -> None:
     chosen = {}
-    for name, one in situations.items():
+    for name, one in scenarios.items():
         chosen[name] = reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
     assert chosen["single_novice"].leaf_value == "bound" and chosen["single_expert"].leaf_value == "greedy_rollout"
     assert chosen["single_novice"].depth > chosen["multiple_novice"].depth - 1 >= 2  # three states cost three times
@@ -139,9 +139,9 @@ def test_the_reference_is_as_deep_as_is_affordable(situations: dict[str, Situati
     )
 
 
-def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Path) -> None:
+def test_bounds_are_kept_and_hold(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
     """Short runs, where the bound is the optimum itself: an exact lookahead over all cycles reaches it."""
-    one = situations["single_expert"]
+    one = scenarios["single_expert"]
     cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
     done = []
     first, warnings = run_bounds(cells, tmp_path, LocalProcesses(2), lambda: done.append(1))
@@ -159,8 +159,8 @@ def test_bounds_are_kept_and_hold(situations: dict[str, Situation], tmp_path: Pa
     assert list(tmp_path.glob("*.damaged-1")) and len(warnings) == 1 and "set aside" in warnings[0]
 
 
-def test_a_bound_under_a_wrong_name_is_set_aside(situations: dict[str, Situation], tmp_path: Path) -> None:
-    one = situations["single_expert"]
+def test_a_bound_under_a_wrong_name_is_set_aside(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
+    one = scenarios["single_expert"]
     cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
     first, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
     two, four = sorted(tmp_path.glob("*.json"))
@@ -170,20 +170,20 @@ def test_a_bound_under_a_wrong_name_is_set_aside(situations: dict[str, Situation
     assert len(warnings) == 1 and str(two) in warnings[0] and two.with_suffix(".damaged-1").exists()
 
 
-def test_a_judge_is_sent_the_actions_it_needs(situations: dict[str, Situation]) -> None:
-    cell = Cell("single_novice", 3, "p", GreedySettings(kind="greedy"), situations["single_novice"], 1, 9)
+def test_a_judge_is_sent_the_actions_it_needs(scenarios: dict[str, Scenario]) -> None:
+    cell = Cell("single_novice", 3, "p", GreedySettings(kind="greedy"), scenarios["single_novice"], 1, 9)
     reference = ReferenceSettings(kind="lookahead", depth=1)
-    judgement = Judgement(cell, reference, {trial: (trial % 2, 0, 1) for trial in range(9)})
+    judgement = RegretJob(cell, reference, {trial: (trial % 2, 0, 1) for trial in range(9)})
     part = judgement.part([3, 4])
     assert part.digest() == judgement.digest() and set(part.actions) == {3, 4}
     assert part.run([3, 4]) == judgement.run([3, 4])
 
 
-def test_no_policy_beats_the_bound_of_the_papers_conditions(situations: dict[str, Situation]) -> None:
+def test_no_policy_beats_the_bound_of_the_papers_conditions(scenarios: dict[str, Scenario]) -> None:
     """Greedy over 12 cycles, 200 runs: its mean may lie below the bound by chance once in 1e6 at most."""
     from scipy.stats import norm
 
-    one = situations["multiple_novice"]
+    one = scenarios["multiple_novice"]
     bound = bound_of(one, 12)
     results = Cell("c", 12, "greedy", GreedySettings(kind="greedy"), one, 3, 200).run(range(200))
     cost = -np.array([r.discounted_return for r in results.values()])
@@ -210,9 +210,9 @@ def test_gaps_in_words(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("expertise", [0.0, 5000.0, math.inf])
-def test_the_reference_itself_has_no_regret(situations: dict[str, Situation], expertise: float) -> None:
+def test_the_reference_itself_has_no_regret(scenarios: dict[str, Scenario], expertise: float) -> None:
     """Whatever is left to chance: its values must not be noisy, or the best of them is too good."""
-    one = situations["single_novice"]
+    one = scenarios["single_novice"]
     one = replace(one, model=one.model.for_workers(one_worker(expertise)))
     chosen = reference_for(one.initial_belief("prior", one.model, np.random.default_rng(0)))
     chosen = chosen.model_copy(update={"depth": 2})
@@ -221,17 +221,17 @@ def test_the_reference_itself_has_no_regret(situations: dict[str, Situation], ex
     assert all(regret.run_loss == 0 for regret in own.run(own.trial_numbers()).values())
 
 
-def test_random_rollouts_are_chance_even_with_an_expert(situations: dict[str, Situation]) -> None:
-    one = situations["single_expert"]
+def test_random_rollouts_are_chance_even_with_an_expert(scenarios: dict[str, Scenario]) -> None:
+    one = scenarios["single_expert"]
     rollouts = {"leaf_value": "random_rollout", "exploration_constant": 0.1}
     search = PomcpSettings(kind="pomcp", backup="mean", descents=5, **rollouts)
     assert not cell(one, "p", search).is_deterministic()
     assert cell(one, "p", search.model_copy(update={"leaf_value": "none"})).is_deterministic()
 
 
-def test_where_nothing_tires_the_bound_is_nothing(situations: dict[str, Situation]) -> None:
-    one = situations["single_expert"]
-    nothing = replace(one, model=replace(one.model, live=np.zeros(0, np.intp)))
+def test_where_nothing_tires_the_bound_is_nothing(scenarios: dict[str, Scenario]) -> None:
+    one = scenarios["single_expert"]
+    nothing = replace(one, model=replace(one.model, active_entries=np.zeros(0, np.intp)))
     assert bound_of(nothing, 5).cost == 0 and bound_of(nothing, 5).exact
     rows = [("c", 5, "p", trial, True, 0.0) for trial in (0, 1)]
     columns = ["condition", "n_cycles", "policy", "trial", "deterministic", "discounted_return"]
@@ -240,8 +240,8 @@ def test_where_nothing_tires_the_bound_is_nothing(situations: dict[str, Situatio
     assert table["gap"].tolist() == [0.0] and "nan" not in gap_text(table, [])
 
 
-def test_a_lookahead_that_never_ends_is_refused(situations: dict[str, Situation]) -> None:
-    one = situations["single_novice"]
+def test_a_lookahead_that_never_ends_is_refused(scenarios: dict[str, Scenario]) -> None:
+    one = scenarios["single_novice"]
     belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
     check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=8), belief)
     with pytest.raises(ExperimentError, match=r"benchmark\.policies\.p\.depth = 30: .* so try 1\d or less"):

@@ -15,7 +15,7 @@ from conftest import PAPER, ROOT
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
@@ -272,7 +272,7 @@ def test_shares_of_a_function_that_is_known() -> None:
     rng = np.random.default_rng(0)
     a, b, c = rng.uniform(-1, 1, (3, 4000))
     values = np.column_stack([3 * a + b, 2 * c**2, np.ones(4000)])
-    own = [shares(np.column_stack([x, x**2]), values, stream(0, "x")) for x in (a, b, c)]
+    own = [shares(np.column_stack([x, x**2]), values, random_stream(0, "x")) for x in (a, b, c)]
     assert own[0][0, 0] == pytest.approx(0.9, abs=0.02) and own[1][0, 0] == pytest.approx(0.1, abs=0.02)
     assert own[2][0, 1] == pytest.approx(1.0) and own[2][0, 0] == pytest.approx(0.0, abs=0.002)
     assert np.isnan(own[0][:, 2]).all()  # nothing varies
@@ -284,14 +284,14 @@ def test_shares_of_names_are_the_adjusted_correlation_ratio() -> None:
     levels, values = ["p", "q", "p", "q", "p", "q"], np.array([1.0, 5, 2, 4, 3, 6])
     within = np.var([1, 2, 3]) * 3 + np.var([5, 4, 6]) * 3
     expected = 1 - within / (np.var(values) * 6) * 5 / 4
-    assert shares(factor.regressors(levels), values[:, None], stream(0, "x"))[0, 0] == pytest.approx(expected)
+    assert shares(factor.regressors(levels), values[:, None], random_stream(0, "x"))[0, 0] == pytest.approx(expected)
 
 
 def test_a_factor_without_effect_explains_nothing_in_the_mean() -> None:
     """20 points are few, but the adjustment takes off what a parabola explains by chance."""
     rng = np.random.default_rng(1)
     x = np.linspace(-1, 1, 20)
-    found = shares(np.column_stack([x, x**2]), rng.normal(size=(20, 400)), stream(0, "x"))[0]
+    found = shares(np.column_stack([x, x**2]), rng.normal(size=(20, 400)), random_stream(0, "x"))[0]
     assert abs(found.mean()) < 4 * found.std() / 20 and (found < 0).any()
 
 
@@ -300,12 +300,12 @@ def test_naming_a_factor_by_chance_is_rare_however_many_there_are() -> None:
     rng = np.random.default_rng(2)
     designs = [np.column_stack([x, x**2]) for x in rng.uniform(-1, 1, (12, 16))]
     noise = rng.normal(size=(16, 300))
-    least = p_values(designs, noise, stream(0, "x")).min(axis=0)
+    least = p_values(designs, noise, random_stream(0, "x")).min(axis=0)
     assert 0.05 < (least < 0.1).mean() < 0.16
     effect = noise * 0.1 + designs[3][:, :1]
-    found = p_values(designs, effect, stream(0, "x"))
+    found = p_values(designs, effect, random_stream(0, "x"))
     assert (found[3] < 0.05).all() and found[3].max() < np.median(found[0])
-    assert np.isnan(p_values(designs, np.ones((16, 1)), stream(0, "x"))).all()
+    assert np.isnan(p_values(designs, np.ones((16, 1)), random_stream(0, "x"))).all()
 
 
 SPAN = {"reason": "test", "from": 0.0, "to": 1.0}
@@ -317,7 +317,7 @@ def synthetic() -> tuple[list[Point], pd.DataFrame, dict[str, RangeSettings]]:
     factors = {
         name: RangeSettings.model_validate({"kind": "range", "keys": (name,), **SPAN}) for name in ("weak", "strong")
     }
-    levels = stream(3, "levels").random((32, 2))
+    levels = random_stream(3, "levels").random((32, 2))
     points = [Point("base", "base", "", {"weak": 0.5, "strong": 0.5}, None)]
     points += [Point("weak=1", "one at a time", "weak", {"weak": 1.0, "strong": 0.5}, None)]
     points += [Point("strong=0", "one at a time", "strong", {"weak": 0.5, "strong": 0.0}, None)]

@@ -34,8 +34,8 @@ SOURCES = {
     "study": ["sensitivity"],
 }
 ALL_SOURCES = [name for names in SOURCES.values() for name in names]
-LONGEST_S = 2.0
-LARGEST_BYTES = 1_000_000
+MAX_SECONDS = 2.0
+MAX_BYTES = 1_000_000
 GOOD_ENDS = ("read", "refused")
 
 SNIPPETS = [
@@ -85,7 +85,7 @@ def read(number: int, folder: Path) -> str:
     except BaseException:
         end = traceback.format_exc()
     spent = time.process_time() - begin
-    return end if spent < LONGEST_S else f"took {spent:.1f} s: {end}"
+    return end if spent < MAX_SECONDS else f"took {spent:.1f} s: {end}"
 
 
 def told(number: int, end: str) -> str:
@@ -164,7 +164,7 @@ def _changed_structure(rng: random.Random, content: Any) -> Any:
 
 def _room(value: Any) -> int:
     """How many copies of a value may be made, so that it is not the fuzzer's own memory that is measured."""
-    return LARGEST_BYTES // len(json.dumps(value))
+    return MAX_BYTES // len(json.dumps(value))
 
 
 def _near(rng: random.Random, value: Any) -> Any:

@@ -115,8 +115,14 @@ def table_problem(move: np.ndarray, reward: np.ndarray, see: np.ndarray, horizon
     names = [
         tuple(f"{kind}{i}" for i in range(n)) for kind, n in zip("aso", (*move.shape[:2], see.shape[2]), strict=True)
     ]
-    telling = see.shape[1:] == (see.shape[1],) * 2 and bool((see == np.eye(see.shape[1])).all())
-    return Pomdp(*names, discount, Tables(move, reward, see, horizon), TABLES, telling=telling)
+    observation_reveals_outcome = see.shape[1:] == (see.shape[1],) * 2 and bool((see == np.eye(see.shape[1])).all())
+    return Pomdp(
+        *names,
+        discount,
+        Tables(move, reward, see, horizon),
+        TABLES,
+        observation_reveals_outcome=observation_reveals_outcome,
+    )
 
 
 def table_belief(problem: Pomdp, weights: Any) -> ExactBelief:
@@ -195,7 +201,7 @@ def expectimax(belief: Belief, action: int, depth: int) -> float:
     chances = np.zeros(len(model.observations))
     for state, weight in zip(belief.states, belief.weights, strict=True):
         for outcome, probability in enumerate(model.probabilities(state, action)):
-            after, _ = model.after(state, action, outcome)
+            after, _ = model.transition(state, action, outcome)
             chances += weight * probability * model.observation_probabilities(after, action, outcome)
     for o in np.flatnonzero(chances):
         following = belief.update(action, int(o), rng)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from fatigue_planner.core.files import read_sealed
+from fatigue_planner.core.files import read_with_checksum
 from fatigue_planner.reactions.cache import ReactionCache
 
 # Wall-clock times, which are never the same twice.
@@ -36,7 +36,7 @@ def assert_whole(folder: Path) -> None:
         if path.suffix == ".h5":
             ReactionCache(path.parent).read(path)
         elif path.parent.name == "bounds" or path.parent.parent.name == "parts":
-            assert read_sealed(path) is not None, path
+            assert read_with_checksum(path) is not None, path
         elif path.suffix == ".csv":
             assert path.read_bytes().endswith(b"\n") and len(pd.read_csv(path)), path
         elif path.suffix == ".json":

@@ -66,7 +66,7 @@ def _assert_sums(tree: Nodes, start: Belief, behind: Callable[[int], float]) -> 
     From one state with observations that tell the outcome, so that all rewards can be told from the tree.
     """
     model = start.model
-    assert model.telling and len(start.weights) == 1
+    assert model.observation_reveals_outcome and len(start.weights) == 1
     stack = [(0, start.states[0])]
     while stack:
         node, state = stack.pop()
@@ -74,7 +74,7 @@ def _assert_sums(tree: Nodes, start: Belief, behind: Callable[[int], float]) -> 
             total = 0.0
             for outcome, child in enumerate(tree.child[node, action].tolist()):
                 if child != UNVISITED:
-                    after, reward = model.after(state, int(action), outcome)
+                    after, reward = model.transition(state, int(action), outcome)
                     total += int(tree.visited[child]) * reward + model.discount * behind(child)
                     stack.append((child, after))
             assert tree.value[node, action] * int(tree.tried[node, action]) == pytest.approx(total, rel=1e-9)
@@ -87,7 +87,7 @@ def assert_observations_as_likely(tree: Nodes, belief: Belief) -> None:
         chances = np.zeros(len(model.observations))
         for state, weight in zip(belief.states, belief.weights, strict=True):
             for outcome, probability in enumerate(model.probabilities(state, action)):
-                after, _ = model.after(state, action, outcome)
+                after, _ = model.transition(state, action, outcome)
                 chances += weight * probability * model.observation_probabilities(after, action, outcome)
         seen = np.array([0 if child == UNVISITED else tree.visited[child] for child in tree.child[0, action]])
         assert not seen[chances == 0].any()
@@ -113,7 +113,7 @@ def assert_bayes(start: Belief, actions: Sequence[int], seen: Sequence[int], mod
             chance, moved = float(weight), state
             for action, u, o in zip(actions, path, seen, strict=True):
                 chance *= model.probabilities(moved, action)[u]
-                moved, _ = model.after(moved, action, u)
+                moved, _ = model.transition(moved, action, u)
                 chance *= model.observation_probabilities(moved, action, u)[o]
             mass, mean, square = mass + chance, mean + chance * moved, square + chance * moved**2
     assert belief.weights.sum() == pytest.approx(1)

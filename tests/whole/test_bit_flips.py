@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from published import COMMAND, publish
 
-from fatigue_planner.core.errors import BundleError, DamagedFileError, FatplanError, OtherVersionError
+from fatigue_planner.core.errors import ArchiveError, DamagedFileError, FatplanError, OtherVersionError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions import hdf5_layout
-from fatigue_planner.reactions.archive import export_bundle, import_bundle
+from fatigue_planner.reactions.archive import export_archive, import_archive
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark import bounds
@@ -46,7 +46,7 @@ def kept(
     """One folder with every kind of file."""
     folder = tmp_path_factory.mktemp("kept")
     shutil.copytree(cache_folder, folder / "cache")
-    export_bundle(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "bundle.zip", "fatplan simulate")
+    export_archive(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "bundle.zip", "fatplan simulate")
     publish(small, reactions, folder / "results")
     run_grid(grid[:1], folder / "trials", LocalProcesses(1), lambda cell, n: None)
     run_bounds(grid[:1], folder / "bounds", LocalProcesses(1), lambda: None)
@@ -73,7 +73,7 @@ class Noticed:
         }  # fmt: skip
         try:
             return bool(ways.get(kind, self._results)())
-        except (DamagedFileError, OtherVersionError, BundleError):
+        except (DamagedFileError, OtherVersionError, ArchiveError):
             return True
 
     def _entry(self) -> bool:
@@ -83,7 +83,7 @@ class Noticed:
     def _bundle(self) -> bool:
         """Refused; or the flip is in the list of contents at its end, which is not read, and what comes in is right."""
         into = ReactionCache(self.folder / "into")
-        (one,) = import_bundle(self.path("bundle"), into)
+        (one,) = import_archive(self.path("bundle"), into)
         if one.path is None:
             return True
         original = self.folder / "cache" / one.path.name
@@ -95,7 +95,7 @@ class Noticed:
         return self._aside("trials", len(store.warnings) == 1)
 
     def _bound(self) -> bool:
-        digest = bounds.bound_digest(self._grid[0].situation, self._grid[0].n_cycles)
+        digest = bounds.bound_digest(self._grid[0].scenario, self._grid[0].n_cycles)
         return self._aside("bound", bounds._read(self.folder / "bounds", digest, []) is None)
 
     def _aside(self, kind: str, noticed: bool) -> bool:

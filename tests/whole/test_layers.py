@@ -20,7 +20,7 @@ INNER_ROOMS = {
     "output": ["figures", "reports", "viewer"],
     "planners": ["pomcp", "bounds"],
 }
-MOST_ROOMS, MOST_FLOORS = 12, 10
+MAX_ROOMS, MAX_FLOORS = 12, 10
 
 Graph = Mapping[str, Set[str]]
 
@@ -69,7 +69,7 @@ def between(depth: int) -> Graph:
 def test_there_are_few_rooms_and_every_one_has_a_place() -> None:
     found = {path.stem for path in PACKAGE.iterdir() if path.is_dir() or path.suffix == ".py"}
     assert found - {"__init__", "__main__", "__pycache__"} == set(ROOMS)
-    assert len(ROOMS) <= MOST_ROOMS
+    assert len(ROOMS) <= MAX_ROOMS
 
 
 @pytest.mark.parametrize("room", ROOMS)
@@ -86,7 +86,7 @@ def test_an_inner_room_imports_only_lower_ones(room: str) -> None:
 
 
 def test_the_house_is_not_high() -> None:
-    assert floors(between(1)) <= MOST_FLOORS
+    assert floors(between(1)) <= MAX_FLOORS
 
 
 def test_no_files_import_each_other_in_a_circle() -> None:

@@ -19,7 +19,7 @@ from conftest import ROOT
 from planted_faults import FAULTS, Fault
 
 PARTS = ("fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md")
-LONGEST_S = 900
+MAX_SECONDS = 900
 # How a message begins where a test has found another result than it demands; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
 
@@ -57,7 +57,7 @@ def run_tests(folder: Path, tests: list[str]) -> list[Ran]:
         env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")},
         capture_output=True,
         text=True,
-        timeout=LONGEST_S,
+        timeout=MAX_SECONDS,
         check=False,
     )
     assert done.returncode in {0, 1}, done.stdout + done.stderr

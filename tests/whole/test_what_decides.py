@@ -34,7 +34,7 @@ from fatigue_planner.reactions import reaction
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 from fatigue_planner.study.benchmark import bounds, cell, regret
 from fatigue_planner.study.benchmark.bounds import bound_digest
-from fatigue_planner.study.benchmark.regret import Judgement
+from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
@@ -81,13 +81,13 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             known[what_tires] = cycle_profiles(experiment, moved)
         all_cells = cells(experiment, known[what_tires])
         judges = references(experiment, all_cells)
-        situations = {(cell.condition, cell.n_cycles): cell.situation for cell in all_cells}
+        scenarios = {(cell.condition, cell.n_cycles): cell.scenario for cell in all_cells}
         named = {(cell.condition, cell.n_cycles, cell.policy): cell for cell in all_cells}
         return Keys(
             {tuple(request.name): request.digest for request in reaction_requests(experiment)},
             {name: cell.digest() for name, cell in named.items()},
-            {name: Judgement(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
-            {place: bound_digest(one, place[1]) for place, one in situations.items() if one.prior is None},
+            {name: RegretJob(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
+            {place: bound_digest(one, place[1]) for place, one in scenarios.items() if one.prior is None},
         )
 
     with pytest.MonkeyPatch.context() as patch:
@@ -280,7 +280,7 @@ MAKERS = {
     "reactions": (("motion.simulator", "motion.verification"), reaction.SOURCES, WITHOUT_A_PART, BODY_DATA),
     "cells": (("study.benchmark.cell",), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
-        ("study.benchmark.regret",), (*cell.SOURCES, *regret.JUDGING), WITHOUT_A_PART | ONLY_NAMES, set()
+        ("study.benchmark.regret",), (*cell.SOURCES, *regret.REGRET_SOURCES), WITHOUT_A_PART | ONLY_NAMES, set()
     ),
     "bounds": (("planners.bounds.cost_bound",), bounds.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
 }  # fmt: skip

@@ -19,14 +19,14 @@ R = TypeVar("R")
 # Linear algebra on several threads may sum in another order. What the libraries read when they are loaded:
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 # A piece of work that was alone with its worker when that died, so many times, is given up: it is what kills them.
-MOST_DEATHS = 3
+MAX_DEATHS = 3
 
 
 @dataclass(frozen=True)
 class Lost:
     """A piece of work that was given up; `reason` says why."""
 
-    reason: str = f"its worker died {MOST_DEATHS} times, perhaps for want of memory"
+    reason: str = f"its worker died {MAX_DEATHS} times, perhaps for want of memory"
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Executor(ABC):
         """Do `work` on every item; yield (place of the item, result) as they come.
 
         A piece of work whose worker dies is done again; one of several that its worker may have died of is done
-        alone, after all others. What was alone at MOST_DEATHS deaths is `Lost`. After an interrupt no more work is
+        alone, after all others. What was alone at MAX_DEATHS deaths is `Lost`. After an interrupt no more work is
         begun, the results of what is in progress are still yielded, and then it is raised (see `Interrupts`).
         """
         if not items:
@@ -99,7 +99,7 @@ class Executor(ABC):
                         yield place, result
                         continue
                     deaths[place] += result.alone
-                    if deaths[place] == MOST_DEATHS:
+                    if deaths[place] == MAX_DEATHS:
                         yield place, Lost()
                     else:
                         (ready if result.alone else suspects).append(place)

@@ -18,7 +18,7 @@ from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vect
 class HandTask(Task):
     """Follow a trajectory with a fist: its position, its orientation, or both.
 
-    `moment` is the row of the trajectory that is the present reference.
+    `index` is the row of the trajectory that is the present reference.
     """
 
     def __init__(self, weight: float, stiffness: float, frame: int, parts: slice, reference: Trajectory) -> None:
@@ -26,19 +26,19 @@ class HandTask(Task):
         self.frame = frame
         self.parts = parts
         self.reference = reference
-        self.moment = 0
+        self.index = 0
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
         placement, whole = state.placement(self.frame), state.jacobian(self.frame)
-        reference, moment = self.reference, self.moment
+        reference, index = self.reference, self.index
         error = np.empty(6)
-        error[:3] = reference.position_m[moment] - placement.translation
-        error[3:] = pin.log3(reference.rotation[moment] @ placement.rotation.T)
+        error[:3] = reference.position_m[index] - placement.translation
+        error[3:] = pin.log3(reference.rotation[index] @ placement.rotation.T)
         jacobian[:] = whole[self.parts]
         desired = _desired(
             whole, state.velocity, state.drift(self.frame), error,
-            reference.velocity[moment], reference.acceleration[moment], self.stiffness, self.damping,
+            reference.velocity[index], reference.acceleration[index], self.stiffness, self.damping,
         )  # fmt: skip
         target[:] = desired[self.parts]
 

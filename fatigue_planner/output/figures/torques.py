@@ -12,7 +12,7 @@ from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.style import COLOURS, new_figure, words
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
-MOST_LOADED = 6  # entries drawn over time
+MAX_LOADED = 6  # entries drawn over time
 
 
 def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]) -> pd.DataFrame:
@@ -97,7 +97,7 @@ def course_figure(
     figure = new_figure(2.6 * across + 1.6, 2.1 * -(-len(reactions) // across) + 0.4)
     axes = figure.subplots(-(-len(reactions) // across), across, squeeze=False, sharex=True, sharey=True)
     shares = [loads(r.motion.torque_nm) / parameters[r.name.worker].maximum_torque_nm for r in reactions]
-    drawn = np.argsort(-np.max([share.mean(axis=0) for share in shares], axis=0))[:MOST_LOADED]
+    drawn = np.argsort(-np.max([share.mean(axis=0) for share in shares], axis=0))[:MAX_LOADED]
     rows = []
     for panel in axes.flat[len(reactions) :]:
         panel.set_axis_off()

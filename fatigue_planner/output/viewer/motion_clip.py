@@ -19,7 +19,7 @@ from fatigue_planner.reactions.reaction import Reaction, ReactionRequest
 
 Vector = NDArray[np.float64]
 
-LEAST_FORCE_N = 1.0  # below, a sole has no centre of pressure worth showing
+MIN_FORCE_N = 1.0  # below, a sole has no centre of pressure worth showing
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Instant:
 
 
 @dataclass(frozen=True)
-class Performance:
+class MotionClip:
     """One cycle of T ticks to be shown.
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
@@ -110,14 +110,14 @@ class Performance:
         )
 
 
-def performance_of(request: ReactionRequest, reaction: Reaction) -> Performance:
+def motion_clip_of(request: ReactionRequest, reaction: Reaction) -> MotionClip:
     """What there is to see of a reaction. All that depends on how a reaction is asked for is read here."""
     settings, motion = request.motion, reaction.motion
     human = build_human(settings.worker)
     runs = runs_of(settings.tool, settings.action, motion.phases)
     home = Pose(np.zeros(3), np.eye(3))  # for the orientation of objects that may be taken in any
     goals = settings.action.goals()
-    return Performance(
+    return MotionClip(
         title=str(reaction.name),
         human=human,
         bodies=tuple(build_human(settings.worker, run.right_kg, run.left_kg) for run in runs),
@@ -132,7 +132,7 @@ def performance_of(request: ReactionRequest, reaction: Reaction) -> Performance:
 def _force(sole: pin.SE3, wrench: Vector) -> Force:
     """The ground's force at the centre of pressure, from the wrench (6,) at the sole's centre in its axes."""
     force, moment = wrench[:3], wrench[3:]
-    if force[2] < LEAST_FORCE_N:
+    if force[2] < MIN_FORCE_N:
         return Force(sole.translation.copy(), np.zeros(3))
     pressure = np.array([-moment[1] / force[2], moment[0] / force[2], 0.0])
     return Force(sole.act(pressure), sole.rotation @ force)

@@ -13,7 +13,7 @@ from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import BODIES, JOINTS, SIDES
 from fatigue_planner.motion.minimum_jerk import Pose
-from fatigue_planner.output.viewer.motion_clip import Instant, Performance
+from fatigue_planner.output.viewer.motion_clip import Instant, MotionClip
 from fatigue_planner.output.viewer.skin import make_skin
 
 Vector = NDArray[np.float64]
@@ -41,21 +41,21 @@ def load_colour(share: float) -> Colour:
     return _step_colour(min(round(share / FULL_SHARE * COLOUR_STEPS), COLOUR_STEPS))
 
 
-class Stage:
-    """The scene of some performances; `show` brings it to an instant of one of them."""
+class Scene:
+    """The scene of some clips; `show` brings it to an instant of one of them."""
 
-    def __init__(self, scene: viser.SceneApi, performances: Sequence[Performance]) -> None:
+    def __init__(self, scene: viser.SceneApi, clips: Sequence[MotionClip]) -> None:
         self._scene = scene
-        stature = max(performance.human.anthropometry.stature_m for performance in performances)
+        stature = max(clip.human.anthropometry.stature_m for clip in clips)
         scene.configure_environment_map("studio", environment_intensity=0.25)
         scene.add_grid(
             "/ground", 4.0, 4.0, cell_size=0.25, section_size=1.0, plane_color=(246, 246, 244), plane_opacity=1.0,
             cell_color=(225, 225, 225), section_color=(190, 190, 190), shadow_opacity=0.2,
         )  # fmt: skip
         self._bodies: dict[Anthropometry, viser.MeshSkinnedHandle] = {}
-        for performance in performances:
-            if performance.human.anthropometry not in self._bodies:
-                self._bodies[performance.human.anthropometry] = self._add_body(performance.human)
+        for clip in clips:
+            if clip.human.anthropometry not in self._bodies:
+                self._bodies[clip.human.anthropometry] = self._add_body(clip.human)
         self._joints = [
             scene.add_icosphere(f"/joints/{joint.name}", 0.019 * stature, color=load_colour(0), cast_shadow=False)
             for joint in JOINTS
@@ -63,7 +63,7 @@ class Stage:
         self._tools = [
             scene.add_box(f"/tools/{side}", color=TOOL, dimensions=(0.24, 0.05, 0.05), visible=False) for side in SIDES
         ]
-        objects = max(len(performance.objects) for performance in performances)
+        objects = max(len(clip.objects) for clip in clips)
         self._objects = [
             scene.add_box(f"/objects/{i}", color=OBJECT, dimensions=(0.13, 0.1, 0.13), opacity=0.4, cast_shadow=False)
             for i in range(objects)
@@ -83,10 +83,10 @@ class Stage:
             "/label", "", position=(0, 0, 1.04 * stature), font_screen_scale=1.5, anchor="bottom-center"
         )
 
-    def show(self, performance: Performance, tick: int) -> None:
-        """Show an instant of a performance."""
-        instant = performance.instant(tick)
-        body = self._bodies[performance.human.anthropometry]
+    def show(self, clip: MotionClip, tick: int) -> None:
+        """Show an instant of a clip."""
+        instant = clip.instant(tick)
+        body = self._bodies[clip.human.anthropometry]
         for other in self._bodies.values():
             other.visible = other is body
         for bone, position, rotation in zip(body.bones, instant.positions, instant.rotations, strict=True):
@@ -95,15 +95,15 @@ class Stage:
             handle.position = _rounded(instant.positions[BODIES.index(joint.child)])
             handle.color = load_colour(instant.joint_share[joint.name])
         _place(self._tools, instant.tools)
-        _place(self._objects, performance.objects)
+        _place(self._objects, clip.objects)
         self._centre.position = _rounded(instant.centre_of_mass_m)
         self._plumb.position = _rounded(instant.centre_of_mass_m * [1, 1, 0])
         for node, arrow in zip(self._forces, force_arrows(instant), strict=True):
             node.points = arrow[None]
             node.visible = bool((arrow[0] != arrow[1]).any())
-        self._soles.points = sole_outlines(performance.human, instant)
-        time = tick * performance.motion.time_step_s
-        self._label.text = f"{performance.title}: {performance.phase(tick)}, {time:.1f} s"
+        self._soles.points = sole_outlines(clip.human, instant)
+        time = tick * clip.motion.time_step_s
+        self._label.text = f"{clip.title}: {clip.phase(tick)}, {time:.1f} s"
 
     def _add_body(self, human: Human) -> viser.MeshSkinnedHandle:
         skin = make_skin(human)

@@ -43,7 +43,7 @@ from fatigue_planner.planners.bounds.history_classes import HistoryClasses, clas
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.sub_solution import cost_to_go
 from fatigue_planner.planners.bounds.task import hidden_state, known_state
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -118,10 +118,10 @@ def cost_lower_bound(
     )
 
 
-def bound_of(situation: Situation, n_cycles: int) -> CostBound:
-    """The bound of a situation whose worker is known."""
-    model = situation.model
-    live = model.live.size
+def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
+    """The bound of a scenario whose worker is known."""
+    model = scenario.model
+    live = model.active_entries.size
     if live == 0:  # nothing ever tires
         return CostBound(cost=0.0, exact=True, state_revealed=False, exact_cycles=n_cycles, memory=0, seconds=0.0)
     shape = (len(model.actions), len(model.outcomes), -1)
@@ -129,23 +129,23 @@ def bound_of(situation: Situation, n_cycles: int) -> CostBound:
         model.arrays.gain.reshape(shape)[:, :, :live],
         model.arrays.offset.reshape(shape)[:, :, :live],
         float(model.workers.expertise[0]),
-        situation.states[:, :live],
-        situation.weights,
+        scenario.states[:, :live],
+        scenario.weights,
         model.discount,
         model.entries,
         n_cycles,
     )
 
 
-def fingerprint(situation: Situation) -> dict[str, Any]:
-    """All of a situation that decides its bound, as JSON values: not how beliefs are kept, nor what is recognised."""
-    model = situation.model
+def fingerprint(scenario: Scenario) -> dict[str, Any]:
+    """All of a scenario that decides its bound, as JSON values: not how beliefs are kept, nor what is recognised."""
+    model = scenario.model
     return {
-        "shape": [len(model.actions), len(model.outcomes), model.live.size, model.entries],
+        "shape": [len(model.actions), len(model.outcomes), model.active_entries.size, model.entries],
         "gain": model.arrays.gain.tolist(),
         "offset": model.arrays.offset.tolist(),
         "expertise": repr(float(model.workers.expertise[0])),
-        "states": situation.states.tolist(),
-        "weights": situation.weights.tolist(),
+        "states": scenario.states.tolist(),
+        "weights": scenario.weights.tolist(),
         "discount": model.discount,
     }

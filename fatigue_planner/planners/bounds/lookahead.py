@@ -22,7 +22,7 @@ class Level:
     """One cycle of the tree, for N histories.
 
     cost (N, A, U): expected cost of the cycle where the action is taken and the reaction happens, times the
-    probability of the history and the reaction. kept (N, A, U): whether that can happen.
+    probability of the history and the reaction. kept (N, A, U): whether that can sample_step.
     """
 
     cost: Array
@@ -31,7 +31,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Lookahead:
-    """Every history of the first cycles that can happen, one level per cycle, and the N where it ends.
+    """Every history of the first cycles that can sample_step, one level per cycle, and the N where it ends.
 
     states (N, S, L): the state after the history from each of S initial states; weights (N, S): probability
     of that initial state and of the history's reactions; classes (N,): the history's last reactions.

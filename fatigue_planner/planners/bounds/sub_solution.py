@@ -17,7 +17,7 @@ STEPS = np.arange(1, 9) / 8
 # So many classes are worked on at a time: few enough for the processor's cache.
 BLOCK = 512
 # A spread counts as at least this much, so that no curvature is so large that rounding matters.
-LEAST_SPREAD = 1e-3
+MIN_SPREAD = 1e-3
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def bent_mean(functions: Quadratics, share: Array, spread: Array) -> Quadratics:
     """
     mean = functions.mean(share)
     deviation = np.sqrt(np.einsum("mf,mfl->ml", share, np.square(functions.slope - mean.slope[:, None])))
-    return Quadratics(mean.value, mean.slope, mean.curvature - deviation / (2 * np.maximum(spread, LEAST_SPREAD)))
+    return Quadratics(mean.value, mean.slope, mean.curvature - deviation / (2 * np.maximum(spread, MIN_SPREAD)))
 
 
 def lowered(shape: Quadratics, functions: Quadratics, states: ClassStates) -> Quadratics:

@@ -6,21 +6,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import inlined, inlined_for_any_problem
-from fatigue_planner.planners.pomcp.buffers import Numbers, Room
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.search import Node
 from fatigue_planner.planners.pomcp.tree import UNVISITED
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability
 
 
 @inlined_for_any_problem
-def expect_nothing(_arrays: Any, _node: Node, _action: int, _room: Room, _certain: bool) -> None:
+def expect_nothing(_arrays: Any, _node: Node, _action: int, _workspace: Workspace, _certain: bool) -> None:
     """A backup by sampled rewards needs nothing beforehand."""
 
 
 @inlined
-def back_up_mean(_nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+def back_up_mean(_nodes: NDArray[Any], node: Node, action: int, target: float, parameters: SearchParameters) -> float:
     """POMCP: Q(h, a) = mean of the discounted returns of the descents through it, which are passed on as they are."""
-    node.value[action] += (target - node.value[action]) * numbers.inverse[node.tried[action]]
+    node.value[action] += (target - node.value[action]) * parameters.inverse[node.tried[action]]
     return target
 
 
@@ -35,7 +35,7 @@ def best_value(node: Node) -> float:
 
 
 @inlined
-def back_up_max(_nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+def back_up_max(_nodes: NDArray[Any], node: Node, action: int, target: float, parameters: SearchParameters) -> float:
     """POMCP-Max: Q(h, a) = mean reward + gamma * mean over the visits of the successors' current V.
 
     MaxUCT (Keller & Helmert 2013) on histories (paper, section III-D).
@@ -43,36 +43,36 @@ def back_up_max(_nodes: NDArray[Any], node: Node, action: int, target: float, nu
     the sum over the visits, so what a node passes on is by how much that has changed: with the target
     r + gamma (N V - N' V'), the mean over the targets is Q without a look at the other successors.
     """
-    node.value[action] += (target - node.value[action]) * numbers.inverse[node.tried[action]]
+    node.value[action] += (target - node.value[action]) * parameters.inverse[node.tried[action]]
     before, after = node.best, best_value(node)
     node.best = after
     return float(node.visited * after - (node.visited - 1) * before)
 
 
 # Whether the observation always tells the outcome.
-TELLING = False
+OBSERVATION_REVEALS_OUTCOME = False
 
 
-def expect_outcomes(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> None:
+def expect_outcomes(arrays: Any, node: Node, action: int, workspace: Workspace, certain: bool) -> None:
     """Template: fold expected reward and chances of the observations, from the state, into their means at (h, a).
 
     Where the belief is one state and the observation tells the outcome, the node's state is always the
     same, and so are these; else they are means over the states sampled.
     """
-    if certain and TELLING and node.tried[action] > 0:
+    if certain and OBSERVATION_REVEALS_OUTCOME and node.tried[action] > 0:
         return
     share = 1.0 / (node.tried[action] + 1.0)
     for observation in range(node.chance.shape[1]):
         node.chance[action, observation] *= 1.0 - share
-    probabilities, moved = room.probabilities, room.moved
-    reward = expected_reward(arrays, room.state, action, probabilities, moved)
+    probabilities, moved = workspace.probabilities, workspace.moved
+    reward = expected_reward(arrays, workspace.state, action, probabilities, moved)
     node.mean_reward[action] += share * (reward - node.mean_reward[action])
     for outcome in range(probabilities.size):
-        if TELLING:
+        if OBSERVATION_REVEALS_OUTCOME:
             node.chance[action, outcome] += share * probabilities[outcome]
         elif probabilities[outcome] > 0:
             for j in range(moved.size):
-                moved[j] = room.state[j]
+                moved[j] = workspace.state[j]
             advance(arrays, moved, action, outcome)
             for observation in range(node.chance.shape[1]):
                 seen = observation_probability(arrays, moved, action, outcome, observation)
@@ -80,7 +80,7 @@ def expect_outcomes(arrays: Any, node: Node, action: int, room: Room, certain: b
 
 
 @inlined
-def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, numbers: Numbers) -> float:
+def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, parameters: SearchParameters) -> float:
     """Q(h, a) = expected reward + gamma * expected V of the successors known, by their chances.
 
     The max backup with the known chances of the outcomes in place of their frequencies.
@@ -93,6 +93,6 @@ def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, 
             chance = node.chance[action, observation]
             future += chance * nodes[successor].best
             known += chance
-    node.value[action] = node.mean_reward[action] + numbers.discount * future / known
+    node.value[action] = node.mean_reward[action] + parameters.discount * future / known
     node.best = best_value(node)
     return 0.0

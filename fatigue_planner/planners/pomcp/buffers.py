@@ -1,4 +1,4 @@
-"""The numbers and the working memory of a search."""
+"""The parameters and the working memory of a search."""
 
 from functools import lru_cache
 from typing import NamedTuple
@@ -14,7 +14,7 @@ Vector = NDArray[np.float64]
 TINY = 1e-150
 
 
-class Numbers(NamedTuple):
+class SearchParameters(NamedTuple):
     """What a search goes by, with tables by count n (see `tables`)."""
 
     exploration_constant: float
@@ -39,7 +39,7 @@ def tables(size: int) -> tuple[Vector, Vector, Vector]:
         return root_log, 1 / np.sqrt(n), 1 / n
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Working memory: two states (L,), outcome probabilities (K,), and the path of a descent by depth."""
 
     state: Vector
@@ -50,10 +50,10 @@ class Room(NamedTuple):
     rewards: Vector
 
 
-def new_room(width: int, outcomes: int, capacity: int) -> Room:
-    """Memory for states of `width` numbers and a tree of `capacity` nodes."""
+def new_workspace(width: int, outcomes: int, capacity: int) -> Workspace:
+    """Memory for states of `width` parameters and a tree of `capacity` nodes."""
     path = np.empty(capacity, np.uint32)
-    return Room(
+    return Workspace(
         aligned_zeros(width),
         aligned_zeros(width),
         np.zeros(outcomes),

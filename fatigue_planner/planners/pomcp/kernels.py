@@ -46,7 +46,9 @@ class Exploration(NamedTuple):
 
 
 def _expect_outcomes(model: Pomdp) -> Any:
-    return specialised(expect_outcomes, inlined, **_without_step(model), TELLING=model.telling)
+    return specialised(
+        expect_outcomes, inlined, **_without_step(model), OBSERVATION_REVEALS_OUTCOME=model.observation_reveals_outcome
+    )
 
 
 def _greedy_rollout(model: Pomdp) -> Any:
@@ -104,7 +106,10 @@ def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName
 def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
     """`search.expectimax.best_return` for a problem and a leaf value, compiled."""
     parts = _without_step(model)
-    constants = {"TELLING": model.telling, "N_OBSERVATIONS": len(model.observations)}
+    constants = {
+        "OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome,
+        "N_OBSERVATIONS": len(model.observations),
+    }
     return specialised(
         best_return,
         kernel,
@@ -112,6 +117,6 @@ def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
         **constants,
         LEAVES=leaf_value != "none",
         expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
-        observe=specialised(observe, inlined, **parts, TELLING=model.telling),
+        observe=specialised(observe, inlined, **parts, OBSERVATION_REVEALS_OUTCOME=model.observation_reveals_outcome),
         leaf_value=LEAF_VALUES[leaf_value](model),
     )

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.planners.policy import Decision, Policy, explained
-from fatigue_planner.planners.pomcp.buffers import TINY, Numbers, Room, new_room, tables
+from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import BACKUPS, EXPLORATIONS, bound_arrays_for, search_kernel
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
 from fatigue_planner.planners.settings import PomcpSettings
@@ -15,9 +15,9 @@ from fatigue_planner.pomdp.problem import Pomdp
 
 # A search with a time limit looks at the clock once per so many descents.
 DESCENTS_PER_LOOK = 50
-# The room of a search with a time limit: memory is taken from the system only where it is used.
-MOST_NODES = 1_000_000
-MOST_BYTES = 2**28
+# The workspace of a search with a time limit: memory is taken from the system only where it is used.
+MAX_NODES = 1_000_000
+MAX_BYTES = 2**28
 
 
 class PomcpPolicy(Policy):
@@ -33,8 +33,8 @@ class PomcpPolicy(Policy):
         self._tree: Tree | None = None
         self._spare: Tree | None = None
         self._kept = False  # whether the tree is what observe kept for this decision
-        self._room: Room | None = None
-        self._tables = tables(0 if settings.seconds is None else MOST_NODES + 1)
+        self._workspace: Workspace | None = None
+        self._tables = tables(0 if settings.seconds is None else MAX_NODES + 1)
         self._model: Pomdp | None = None
         self._kernel: Any = None
         self._depth = 0
@@ -71,7 +71,7 @@ class PomcpPolicy(Policy):
         settings, model = self.settings, belief.model
         if model is not self._model:
             if self._model is None or not _alike(model, self._model):
-                self._tree = self._spare = self._room = None
+                self._tree = self._spare = self._workspace = None
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
         if self._tree is not None and not self._kept:
@@ -85,12 +85,12 @@ class PomcpPolicy(Policy):
 
     def _grow(self, belief: Belief, descents: int, rng: np.random.Generator) -> Tree:
         settings, model = self.settings, belief.model
-        tree, room = self._memory(belief, descents)
+        tree, workspace = self._memory(belief, descents)
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
-        numbers = Numbers(constant, model.discount, settings.rollout_cycles, *self._tables)
+        parameters = SearchParameters(constant, model.discount, settings.rollout_cycles, *self._tables)
         depth = self._kernel(
-            model.arrays, bound_arrays, belief.states, belief.weights, tree, room, descents, numbers, rng
+            model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, rng
         )
         self._depth = max(self._depth, depth)
         return tree
@@ -108,8 +108,8 @@ class PomcpPolicy(Policy):
             if now + 2 * next_look > end or tree.size[0] + descents > tree.nodes.size:
                 return tree
 
-    def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Room]:
-        """The tree, with room for so many descents more, and the working memory."""
+    def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Workspace]:
+        """The tree, with workspace for so many descents more, and the working memory."""
         model, settings = belief.model, self.settings
         tree = self._tree
         used = 1 if tree is None else int(tree.size[0])
@@ -119,18 +119,18 @@ class PomcpPolicy(Policy):
             record = node_type(*shape, backup.with_chances, exploration.with_spread)
             capacity = used + descents
             if settings.seconds is not None:
-                capacity = max(capacity, min(MOST_NODES, MOST_BYTES // record.itemsize))
+                capacity = max(capacity, min(MAX_NODES, MAX_BYTES // record.itemsize))
             larger = new_tree(capacity, record)
             if tree is not None:
                 larger.nodes[:used], larger.size[0] = tree.nodes[:used], used
             self._tree = tree = larger
         capacity = tree.nodes.size
         width = belief.states.shape[1]
-        if self._room is None or self._room.nodes.size < capacity or self._room.state.size != width:
-            self._room = new_room(width, len(model.outcomes), capacity)
+        if self._workspace is None or self._workspace.nodes.size < capacity or self._workspace.state.size != width:
+            self._workspace = new_workspace(width, len(model.outcomes), capacity)
         if self._tables[0].size <= capacity:
             self._tables = tables(capacity + 1)
-        return tree, self._room
+        return tree, self._workspace
 
 
 def _alike(one: Pomdp, other: Pomdp) -> bool:

@@ -10,31 +10,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.planners.pomcp.buffers import Numbers, Room
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Array, Tree, Vector
 from fatigue_planner.pomdp.problem import draw, step
 
 Node = Any
 
 
-def select_action(node: Node, numbers: Numbers) -> int:
+def select_action(node: Node, parameters: SearchParameters) -> int:
     """Stands for the exploration rule."""
     raise NotImplementedError
 
 
-def expect(arrays: Any, node: Node, action: int, room: Room, certain: bool) -> None:
-    """Stands for what the backup wants to know before an action is taken in `room.state`."""
+def expect(arrays: Any, node: Node, action: int, workspace: Workspace, certain: bool) -> None:
+    """Stands for what the backup wants to know before an action is taken in `workspace.state`."""
     raise NotImplementedError
 
 
 def leaf_value(
-    arrays: Any, bound_arrays: Any, room: Room, numbers: Numbers, actions: int, rng: np.random.Generator
+    arrays: Any,
+    bound_arrays: Any,
+    workspace: Workspace,
+    parameters: SearchParameters,
+    actions: int,
+    rng: np.random.Generator,
 ) -> float:
-    """Stands for the value of a new leaf, whose state is `room.state`."""
+    """Stands for the value of a new leaf, whose state is `workspace.state`."""
     raise NotImplementedError
 
 
-def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, numbers: Numbers) -> float:
+def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, parameters: SearchParameters) -> float:
     """Stands for the backup of a chance node and its decision node.
 
     `target` is the reward plus gamma times what the successor's backup (or the leaf value) passed on;
@@ -54,17 +59,17 @@ def grow(
     states: Array,
     weights: Vector,
     tree: Tree,
-    room: Room,
+    workspace: Workspace,
     descents: int,
-    numbers: Numbers,
+    parameters: SearchParameters,
     rng: np.random.Generator,
 ) -> int:
     """Template: grow a tree by a number of descents from a belief (states (n, L), weights (n,)); its depth.
 
-    The tree must have room for as many nodes. Equal scores go to the first action, so a problem without
+    The tree must have workspace for as many nodes. Equal scores go to the first action, so a problem without
     chance has one tree, whatever the generator (unless leaves are rated by random rollouts).
     """
-    nodes, state = tree.nodes, room.state
+    nodes, state = tree.nodes, workspace.state
     used = tree.size[0]
     certain = weights.size == 1
     deepest = 0
@@ -76,28 +81,28 @@ def grow(
         depth = 0
         while True:
             node = nodes[here]
-            action = select_action(node, numbers)
-            expect(arrays, node, action, room, certain)
+            action = select_action(node, parameters)
+            expect(arrays, node, action, workspace, certain)
             node.visited += np.uint32(1)
-            observation, reward = step(arrays, state, action, room.probabilities, rng)
-            room.nodes[depth], room.actions[depth], room.rewards[depth] = here, action, reward
+            observation, reward = step(arrays, state, action, workspace.probabilities, rng)
+            workspace.nodes[depth], workspace.actions[depth], workspace.rewards[depth] = here, action, reward
             depth += 1
             here = node.child[action, observation]
             if here == UNVISITED:
                 node.child[action, observation] = used
                 break
-        gained = leaf_value(arrays, bound_arrays, room, numbers, node.value.size, rng)
+        gained = leaf_value(arrays, bound_arrays, workspace, parameters, node.value.size, rng)
         nodes[used].visited = 1
         nodes[used].best = gained
         used += 1
         deepest = max(deepest, depth)
         passed_on = gained
         for level in range(depth - 1, -1, -1):
-            node = nodes[room.nodes[level]]
-            action, reward = room.actions[level], room.rewards[level]
+            node = nodes[workspace.nodes[level]]
+            action, reward = workspace.actions[level], workspace.rewards[level]
             node.tried[action] += np.uint32(1)
-            passed_on = back_up(nodes, node, action, reward + numbers.discount * passed_on, numbers)
-            gained = reward + numbers.discount * gained
+            passed_on = back_up(nodes, node, action, reward + parameters.discount * passed_on, parameters)
+            gained = reward + parameters.discount * gained
             note_return(node, gained)
     tree.size[0] = used
     return deepest

@@ -57,7 +57,7 @@ def node_type(actions: int, observations: int, with_chances: bool, with_spread: 
 
 
 def new_tree(capacity: int, record: np.dtype[Any]) -> Tree:
-    """A tree of the root alone, with room for `capacity` nodes."""
+    """A tree of the root alone, with workspace for `capacity` nodes."""
     nodes = aligned_zeros(capacity, record)
     if numba.config.DISABLE_JIT:
         nodes = nodes.view(np.recarray)  # fields as attributes, as in compiled code
@@ -74,7 +74,7 @@ def clear(tree: Tree) -> None:
 
 
 def graft(source: Tree, root: int, target: Tree) -> None:
-    """Copy a node and all below it to the root of an empty tree with room for them."""
+    """Copy a node and all below it to the root of an empty tree with workspace for them."""
     origin = np.empty(source.size[0], np.uint32)
     used = _order_below(source.nodes, root, origin)
     target.nodes[:used] = source.nodes[origin[:used]]

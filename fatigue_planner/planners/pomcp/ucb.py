@@ -3,29 +3,29 @@
 import numpy as np
 
 from fatigue_planner.core.jit import inlined
-from fatigue_planner.planners.pomcp.buffers import TINY, Numbers
+from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters
 from fatigue_planner.planners.pomcp.search import Node
 
 
 @inlined
-def ucb1(node: Node, scale: float, numbers: Numbers) -> int:
+def ucb1(node: Node, scale: float, parameters: SearchParameters) -> int:
     """The first action not tried yet, else the first with the best value + scale * sqrt(log N(h) / N(h, a)).
 
     The tables make the score of an action not tried infinite; `scale` must not be 0 (see `buffers.TINY`).
     """
-    width = scale * numbers.root_log[node.visited - 1]
+    width = scale * parameters.root_log[node.visited - 1]
     best, best_score = 0, -np.inf
     for action in range(node.value.size):
-        score = node.value[action] + width * numbers.inverse_root[node.tried[action]]
+        score = node.value[action] + width * parameters.inverse_root[node.tried[action]]
         if score > best_score:
             best, best_score = action, score
     return best
 
 
 @inlined
-def select_fixed(node: Node, numbers: Numbers) -> int:
+def select_fixed(node: Node, parameters: SearchParameters) -> int:
     """UCB1 with the constant as it is (paper, section III-D)."""
-    return ucb1(node, numbers.exploration_constant, numbers)
+    return ucb1(node, parameters.exploration_constant, parameters)
 
 
 @inlined
@@ -34,10 +34,10 @@ def note_nothing(_node: Node, _gained: float) -> None:
 
 
 @inlined
-def select_scaled(node: Node, numbers: Numbers) -> int:
+def select_scaled(node: Node, parameters: SearchParameters) -> int:
     """UCB1 with c times the standard deviation of the returns through the node, which fits any unit of reward."""
-    deviation = np.sqrt(node.spread * numbers.inverse[max(node.visited - 1, 1)])
-    return ucb1(node, max(numbers.exploration_constant * deviation, TINY), numbers)
+    deviation = np.sqrt(node.spread * parameters.inverse[max(node.visited - 1, 1)])
+    return ucb1(node, max(parameters.exploration_constant * deviation, TINY), parameters)
 
 
 @inlined

@@ -14,7 +14,7 @@ from fatigue_planner.pomdp.problem import Vector, advance, observation_probabili
 
 # No state that remains possible is forgotten, however unlikely: should the others turn out impossible, it is
 # what is left.
-LEAST_WEIGHT = 1e-300
+MIN_WEIGHT = 1e-300
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class ExactBelief(Belief):
         b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
         leads to. Where that is 0 for all, the outcome is taken for one the worker cannot have chosen, but
         did: P(u | s, a) is replaced by 1; and if nothing leads to the observation at all, the observation
-        is ignored. No weight falls below LEAST_WEIGHT. `rng` is not used.
+        is ignored. No weight falls below MIN_WEIGHT. `rng` is not used.
         """
         self.model.check(action, observation)
         kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
@@ -44,7 +44,7 @@ class ExactBelief(Belief):
             )
             if log_weights.size:
                 break
-        weights = np.maximum(np.exp(log_weights - log_weights.max()), LEAST_WEIGHT)
+        weights = np.maximum(np.exp(log_weights - log_weights.max()), MIN_WEIGHT)
         if weights.size > self.weights.size:
             states, place = np.unique(states, axis=0, return_inverse=True)
             weights = np.bincount(place.ravel(), weights)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.pomdp.beliefs.particles import LEAST_PROBABILITY, History, ParticleBelief
+from fatigue_planner.pomdp.beliefs.particles import MIN_PROBABILITY, History, ParticleBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 # Proposals change a worker's share of a distribution by up to half of it, or by as little as this times that:
 # the sizes are spread evenly over the orders of magnitude, so some fit however much is known.
-SMALLEST_STEP = 1e-3
+MIN_STEP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class HiddenWorkerBelief(ParticleBelief):
         start = history.start.copy()
         start[:, -1] = states[:, -1] = np.arange(count)
         for column in self.prior.hidden():
-            step = SMALLEST_STEP ** rng.random(count) * (rng.random(count) - 0.5)
+            step = MIN_STEP ** rng.random(count) * (rng.random(count) - 0.5)
             tried = shares.copy()
             tried[:, column] = (shares[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
@@ -95,6 +95,6 @@ def relive(
     for i in range(len(states)):
         for t in range(actions.size):
             preference_probabilities(arrays, states[i], actions[t], probabilities)
-            log_likelihood[i] += np.log(max(probabilities[outcomes[i, t]], LEAST_PROBABILITY))
+            log_likelihood[i] += np.log(max(probabilities[outcomes[i, t]], MIN_PROBABILITY))
             react(arrays, states[i], actions[t], outcomes[i, t])
     return log_likelihood

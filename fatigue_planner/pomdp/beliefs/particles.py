@@ -17,9 +17,9 @@ from fatigue_planner.pomdp.problem import (
 )
 
 # Resample where fewer than this share of the particles would carry the belief (the usual choice).
-LEAST_EFFECTIVE_SHARE = 0.5
+MIN_EFFECTIVE_SHARE = 0.5
 # An outcome a particle held impossible, but that was seen, counts in its past as one as unlikely as this.
-LEAST_PROBABILITY = 1e-300
+MIN_PROBABILITY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class ParticleBelief(Belief):
             surprised=surprised,
             history=self.history and self.history.then(action, outcomes, log_outcome),
         )
-        if surprised or belief.effective_size() < LEAST_EFFECTIVE_SHARE * len(weights):
+        if surprised or belief.effective_size() < MIN_EFFECTIVE_SHARE * len(weights):
             return belief.resampled(rng)
         return belief
 
@@ -166,6 +166,6 @@ def move_particles(
             for outcome in range(outcomes):
                 posterior[outcome] /= total
             chosen[i] = draw(posterior, uniforms[i])
-        log_outcome[i] = np.log(max(probabilities[chosen[i]], LEAST_PROBABILITY))
+        log_outcome[i] = np.log(max(probabilities[chosen[i]], MIN_PROBABILITY))
         states[i] = moved[chosen[i]]
     return chosen, log_outcome, log_likelihood

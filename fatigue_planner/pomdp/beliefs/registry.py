@@ -38,15 +38,15 @@ BeliefSettings = Annotated[ExactSettings | ParticleSettings, Field(discriminator
 # Where the file names no belief and no finite set holds it.
 USUAL_PARTICLES = ParticleSettings(kind="particles", count=300)
 # The exact set may hold so many workers; every cycle and every descent of a search goes through them.
-MOST_EXACT = 1000
+MAX_EXACT = 1000
 
 Builder = Callable[[FatiguePomdp, Array, Vector, WorkerPrior | None, Any, np.random.Generator], Belief]
 
 
-def fitting(sharp: bool, prior: WorkerPrior | None) -> ExactSettings | ParticleSettings:
+def fitting(observation_reveals_outcome: bool, prior: WorkerPrior | None) -> ExactSettings | ParticleSettings:
     """The exact set where it stays small: reactions recognised without error, not too many workers."""
-    few = prior is None or prior.size <= MOST_EXACT
-    return ExactSettings(kind="exact") if sharp and few else USUAL_PARTICLES
+    few = prior is None or prior.size <= MAX_EXACT
+    return ExactSettings(kind="exact") if observation_reveals_outcome and few else USUAL_PARTICLES
 
 
 def _exact(

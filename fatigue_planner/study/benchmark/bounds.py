@@ -12,21 +12,21 @@ from fatigue_planner.core.files import (
     digest_of,
     digest_of_package,
     publish_csv,
-    publish_sealed,
-    read_sealed,
+    publish_with_checksum,
+    read_with_checksum,
     remove_left_behind,
     set_aside,
 )
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.planners.bounds.cost_bound import CostBound, bound_of, fingerprint
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.tables import read_keyed
 
 BOUNDS_FILE = "bounds.csv"
 CELL = ["condition", "n_cycles", "policy"]
 BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
-# What produces a bound besides the situation: folders and modules of this package.
+# What produces a bound besides the scenario: folders and modules of this package.
 SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py")
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
@@ -43,27 +43,27 @@ def run_bounds(
     LostWorkError.
     """
     remove_left_behind(folder)
-    places = {(cell.condition, cell.n_cycles): cell.situation for cell in cells if cell.situation.prior is None}
+    places = {(cell.condition, cell.n_cycles): cell.scenario for cell in cells if cell.scenario.prior is None}
     found: dict[Place, tuple[float, bool]] = {}
-    missing: list[tuple[Place, Situation]] = []
+    missing: list[tuple[Place, Scenario]] = []
     warnings: list[str] = []
-    for place, situation in places.items():
-        kept = _read(folder, bound_digest(situation, place[1]), warnings)
+    for place, scenario in places.items():
+        kept = _read(folder, bound_digest(scenario, place[1]), warnings)
         if kept is None:
-            missing.append((place, situation))
+            missing.append((place, scenario))
         else:
             found[place] = kept
             progress()
     missing.sort(key=lambda part: -part[0][1])  # the longest first
     lost = []
     for index, bound in executor.run(_bound, missing):
-        place, situation = missing[index]
+        place, scenario = missing[index]
         if isinstance(bound, Lost):
             lost.append(f"the bound of {place[0]}, {place[1]} cycles: {bound.reason}.")
             continue
-        digest = bound_digest(situation, place[1])
+        digest = bound_digest(scenario, place[1])
         content = {"digest": digest, "n_cycles": place[1], "cost_bound": bound.cost, "exact": bound.exact}
-        publish_sealed(_path(folder, digest), content)
+        publish_with_checksum(_path(folder, digest), content)
         found[place] = bound.cost, bound.exact
         progress()
     if lost:
@@ -82,18 +82,18 @@ def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
     publish_csv(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS])
 
 
-def bound_digest(situation: Situation, n_cycles: int) -> str:
+def bound_digest(scenario: Scenario, n_cycles: int) -> str:
     """Key of a bound: everything that decides it."""
-    return digest_of([fingerprint(situation), n_cycles, digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)])
+    return digest_of([fingerprint(scenario), n_cycles, digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)])
 
 
 def _path(folder: Path, digest: str) -> Path:
     return folder / f"{digest[:DIGEST_LENGTH]}.json"
 
 
-def _bound(part: tuple[Place, Situation]) -> CostBound:
-    (_, n_cycles), situation = part
-    return bound_of(situation, n_cycles)
+def _bound(part: tuple[Place, Scenario]) -> CostBound:
+    (_, n_cycles), scenario = part
+    return bound_of(scenario, n_cycles)
 
 
 def _read(folder: Path, digest: str, warnings: list[str]) -> tuple[float, bool] | None:
@@ -101,7 +101,7 @@ def _read(folder: Path, digest: str, warnings: list[str]) -> tuple[float, bool] 
     path = _path(folder, digest)
     if not path.exists():
         return None
-    content = read_sealed(path)
+    content = read_with_checksum(path)
     if content is None or content.get("digest") != digest:
         set_aside(path)
         warnings.append(f"{path}: is damaged; it is set aside and its bound computed again.")

@@ -9,10 +9,10 @@ import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.provenance import versions_of
-from fatigue_planner.core.random_streams import draw_world, stream
+from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
 from fatigue_planner.planners.registry import build_policy
 from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 
@@ -32,7 +32,7 @@ class Cell(Job[TrialResult]):
     n_cycles: int
     policy: str
     settings: PolicySettings
-    situation: Situation
+    scenario: Scenario
     seed: int
     trials: int
 
@@ -56,7 +56,7 @@ class Cell(Job[TrialResult]):
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
                 "policy": self.settings.plain(),
-                "situation": self.situation.digest,
+                "scenario": self.scenario.digest,
                 "sources": digest_of_package(*SOURCES),
                 "versions": versions_of(*NUMERICAL_LIBRARIES),
             }
@@ -64,7 +64,7 @@ class Cell(Job[TrialResult]):
 
     def is_deterministic(self) -> bool:
         """Whether every run is the same (paper, footnote 4): nothing left to chance, no dice in the policy."""
-        return self.situation.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
+        return self.scenario.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
 
     def trial_numbers(self) -> range:
         """See Job.trial_numbers: one where every run is the same."""
@@ -72,13 +72,13 @@ class Cell(Job[TrialResult]):
 
     def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
         """See Job.run."""
-        self._load_compiled_code(trials if self.situation.prior else trials[:1])
+        self._load_compiled_code(trials if self.scenario.prior else trials[:1])
         results = {}
         for trial in trials:
-            world = draw_world(self.seed, self.condition, self.n_cycles, trial)
-            planner = stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
+            world = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
+            planner = random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
             policy = build_policy(self.settings)
-            results[trial] = run_trial(self.situation, policy, self.settings.knows, self.n_cycles, world, planner)
+            results[trial] = run_trial(self.scenario, policy, self.settings.knows, self.n_cycles, world, planner)
         return results
 
     def result_of(self, row: Mapping[str, Any]) -> TrialResult:
@@ -95,5 +95,5 @@ class Cell(Job[TrialResult]):
         if isinstance(settings, PomcpSettings):
             settings = settings.model_copy(update={"descents": 1, "seconds": None})
         for trial in trials:
-            world = self.situation.worker(draw_world(self.seed, self.condition, self.n_cycles, trial).worker)
-            build_policy(settings).act(self.situation.initial_belief(settings.knows, world, rng), rng)
+            world = self.scenario.worker(draw_random_numbers(self.seed, self.condition, self.n_cycles, trial).worker)
+            build_policy(settings).act(self.scenario.initial_belief(settings.knows, world, rng), rng)

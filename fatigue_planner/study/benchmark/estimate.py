@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.store import TrialStore
 
@@ -31,7 +31,7 @@ def estimated_seconds(grid: Sequence[Cell], left: Sequence[int], jobs: int) -> f
     decisions = np.array(left, dtype=float)
     if not decisions.any():
         return 0.0
-    draw = stream(0, "time estimate")
+    draw = random_stream(0, "time estimate")
     chosen = draw.choice(len(grid), size=min(TIMED_CELLS, len(grid)), p=decisions / decisions.sum())
     return float(np.mean([_seconds_per_decision(grid[place]) for place in chosen]) * decisions.sum() / jobs)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
-from fatigue_planner.core.random_streams import draw_world, stream
+from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
 from fatigue_planner.planners.lookahead import LookaheadPolicy
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.study.benchmark.cell import SOURCES, Cell
@@ -17,7 +17,7 @@ from fatigue_planner.study.benchmark.replay import replay
 
 # A loss of this share of the value is none.
 ROUNDING = 1e-12
-JUDGING = ("study/benchmark/regret.py", "study/benchmark/replay.py")
+REGRET_SOURCES = ("study/benchmark/regret.py", "study/benchmark/replay.py")
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Regret:
 
 
 @dataclass(frozen=True)
-class Judgement(Job[Regret]):
+class RegretJob(Job[Regret]):
     """The regret of a cell's runs, from the actions they took; the reference knows a hidden worker's prior."""
 
     cell: Cell
@@ -63,13 +63,13 @@ class Judgement(Job[Regret]):
 
     @cached_property
     def _digest(self) -> str:
-        return digest_of([self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *JUDGING)])
+        return digest_of([self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *REGRET_SOURCES)])
 
     def trial_numbers(self) -> range:
         """See Job.trial_numbers."""
         return self.cell.trial_numbers()
 
-    def part(self, trials: Sequence[int]) -> "Judgement":
+    def part(self, trials: Sequence[int]) -> "RegretJob":
         """See Job.part: the actions of the other trials stay here."""
         return replace(self, actions={trial: self.actions[trial] for trial in trials})
 
@@ -92,15 +92,15 @@ class Judgement(Job[Regret]):
     def _regret(self, trial: int) -> Regret:
         cell, actions = self.cell, self.actions[trial]
         reference = LookaheadPolicy(self.reference)
-        rng = stream(cell.seed, "reference", cell.condition, cell.n_cycles, trial, cell.policy)
-        world = cell.situation.worker(draw_world(cell.seed, cell.condition, cell.n_cycles, trial).worker)
-        belief = cell.situation.initial_belief("prior", world, rng)
+        rng = random_stream(cell.seed, "reference", cell.condition, cell.n_cycles, trial, cell.policy)
+        world = cell.scenario.worker(draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial).worker)
+        belief = cell.scenario.initial_belief("prior", world, rng)
         losses = np.zeros(len(actions))
         for cycle, (action, seen) in enumerate(zip(actions, replay(cell, trial, actions).observations, strict=True)):
             values = reference.values(belief, rng)
             loss = values.max() - values[action]
             losses[cycle] = loss if loss > ROUNDING * abs(values.max()) else 0.0
             belief = belief.update(action, seen, rng)
-        weights = cell.situation.model.discount ** np.arange(len(actions))
+        weights = cell.scenario.model.discount ** np.arange(len(actions))
         judged = digest_of(list(actions))
         return Regret(float(losses.mean()), float(weights @ losses), float((losses == 0).mean()), judged)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.random_streams import draw_world
+from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.pomdp.problem import Vector
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.trial import cycle_of
@@ -27,15 +27,15 @@ class Course:
 
 def replay(cell: Cell, trial: int, actions: Sequence[int]) -> Course:
     """The course of a trial in which these actions were taken, bit for bit that of the run."""
-    world = draw_world(cell.seed, cell.condition, cell.n_cycles, trial)
-    model = cell.situation.worker(world.worker)
-    state: Vector = cell.situation.start(world.start)
+    world = draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial)
+    model = cell.scenario.worker(world.worker)
+    state: Vector = cell.scenario.start(world.start)
     fatigue, observations = np.zeros((len(actions), model.entries)), []
     total, discount = 0.0, 1.0
     for cycle, action in enumerate(actions):
         state, reward, observation = cycle_of(model, state, action, world, cycle)
         total += discount * reward
         discount *= model.discount
-        fatigue[cycle, model.live] = state[: model.live.size]
+        fatigue[cycle, model.active_entries] = state[: model.active_entries.size]
         observations.append(observation)
     return Course(fatigue, tuple(observations), total)

@@ -169,7 +169,7 @@ def _course(cell: Cell, trial: int, text: str) -> Course | None:
         actions = actions_of(text)
     except ValueError:
         return None
-    known = len(cell.situation.model.actions)
+    known = len(cell.scenario.model.actions)
     if len(actions) != cell.n_cycles or not all(0 <= action < known for action in actions):
         return None
     return replay(cell, trial, actions)

@@ -8,19 +8,19 @@ import numpy as np
 
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
-from fatigue_planner.experiment.build import situation
+from fatigue_planner.experiment.build import scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.planners.reference import check_effort, reference_for
 from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings, PomcpSettings, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.scenario import Situation
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import ReactionName
 from fatigue_planner.study.benchmark.cell import Cell
 
 T = TypeVar("T")
 
-LONGEST_SUFFIX = 120  # file systems end at 255
+MAX_SUFFIX_LENGTH = 120  # file systems end at 255
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Selection:
         parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
         parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
         suffix = "".join(parts)
-        return suffix if len(suffix) <= LONGEST_SUFFIX else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
+        return suffix if len(suffix) <= MAX_SUFFIX_LENGTH else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
 def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> list[T]:
@@ -87,13 +87,13 @@ def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettin
 def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
     """The cells of the experiment's grid. Raises ExperimentError for a lookahead that could never be waited for."""
     grid = experiment.benchmark
-    situations = {name: situation(experiment, profiles, condition) for name, condition in grid.conditions.items()}
+    scenarios = {name: scenario(experiment, profiles, condition) for name, condition in grid.conditions.items()}
     for name, policy in grid.policies.items():
         if isinstance(policy, LookaheadSettings):
-            for one in situations.values():
+            for one in scenarios.values():
                 check_effort(f"benchmark.policies.{name}", policy, _initial_belief(one))
     return [
-        Cell(condition, n_cycles, policy, settings, situations[condition], grid.seed, grid.trials)
+        Cell(condition, n_cycles, policy, settings, scenarios[condition], grid.seed, grid.trials)
         for condition in grid.conditions
         for n_cycles in grid.n_cycles
         for policy, settings in grid.policies.items()
@@ -107,7 +107,7 @@ def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, Refere
     """
     chosen = experiment.benchmark.reference
     found = {}
-    for name, one in {cell.condition: cell.situation for cell in grid}.items():
+    for name, one in {cell.condition: cell.scenario for cell in grid}.items():
         belief = _initial_belief(one)
         if chosen is not None:
             check_effort("benchmark.reference", chosen, belief)
@@ -115,5 +115,5 @@ def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, Refere
     return found
 
 
-def _initial_belief(one: Situation) -> Belief:
+def _initial_belief(one: Scenario) -> Belief:
     return one.initial_belief("prior", one.model, np.random.default_rng(0))

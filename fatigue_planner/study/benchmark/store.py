@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from fatigue_planner.core.errors import DamagedFileError
-from fatigue_planner.core.files import DIGEST_LENGTH, publish_sealed, read_sealed, set_aside
+from fatigue_planner.core.files import DIGEST_LENGTH, publish_with_checksum, read_with_checksum, set_aside
 from fatigue_planner.study.benchmark.job import Job
 
 T = TypeVar("T")
@@ -28,7 +28,7 @@ class TrialStore:
         rows: list[Any] = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]  # type: ignore[call-overload]
         digest = job.digest()
         content = {"cell": job.name, "digest": digest, "trials": rows}
-        publish_sealed(self._folder(digest) / f"{min(results)}-{max(results)}.json", content)
+        publish_with_checksum(self._folder(digest) / f"{min(results)}-{max(results)}.json", content)
 
     def load(self, job: Job[T]) -> dict[int, T]:
         """The finished trials of a job, by number.
@@ -54,7 +54,7 @@ class TrialStore:
         return self.folder / digest[:DIGEST_LENGTH]
 
     def _read(self, path: Path, digest: str, job: Job[T]) -> list[tuple[int, T]]:
-        content = read_sealed(path)
+        content = read_with_checksum(path)
         try:
             if content is not None and content["digest"] == digest:
                 return [(int(row.pop("trial")), job.result_of(row)) for row in content["trials"]]

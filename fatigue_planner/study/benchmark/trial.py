@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fatigue_planner.core.random_streams import World
+from fatigue_planner.core.random_streams import RandomNumbers
 from fatigue_planner.planners.policy import Policy
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Vector, draw
-from fatigue_planner.pomdp.scenario import Knowledge, Situation
+from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 
 
 @dataclass(frozen=True)
@@ -24,24 +24,26 @@ class TrialResult:
     actions: tuple[int, ...]
 
 
-def cycle_of(model: FatiguePomdp, state: Vector, action: int, world: World, cycle: int) -> tuple[Vector, float, int]:
+def cycle_of(
+    model: FatiguePomdp, state: Vector, action: int, world: RandomNumbers, cycle: int
+) -> tuple[Vector, float, int]:
     """What a cycle comes to in a world: the next state, the reward and the observation."""
     preference = draw(model.probabilities(state, action), world.preference[cycle])
-    moved, reward = model.after(state, action, preference)
+    moved, reward = model.transition(state, action, preference)
     seen = draw(model.observation_probabilities(moved, action, preference), world.observation[cycle])
     return moved, reward, seen
 
 
 def run_trial(
-    situation: Situation, policy: Policy, knows: Knowledge, n_cycles: int, world: World, rng: np.random.Generator
+    scenario: Scenario, policy: Policy, knows: Knowledge, n_cycles: int, world: RandomNumbers, rng: np.random.Generator
 ) -> TrialResult:
     """Run the task for a number of cycles; `rng` is the planner's own stream.
 
     The return is the sum over the cycles t = 0 ... n_cycles - 1 of gamma^t r_t, r_t = -C(f_t+1).
     """
-    model = situation.worker(world.worker)
-    state = situation.start(world.start)
-    belief = situation.initial_belief(knows, model, rng)
+    model = scenario.worker(world.worker)
+    state = scenario.start(world.start)
+    belief = scenario.initial_belief(knows, model, rng)
     total, discount = 0.0, 1.0
     costs, times, actions = np.empty(n_cycles), np.empty(n_cycles), []
     for cycle in range(n_cycles):

@@ -42,7 +42,7 @@ def any_of(answers: Iterable[Answer]) -> Answer:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class RegretJob:
     """An answer and its reason in words.
 
     against: how much the difference speaks against the statement, as a share of the cost (negative: for it); of

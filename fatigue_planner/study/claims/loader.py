@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
 from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.error_messages import fault_text, told_together
+from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.relations.registry import RELATIONS
@@ -35,12 +35,12 @@ def load_claims(path: Path) -> Claims:
     try:
         file = ClaimsFile.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ClaimsError(fault_text(error, ClaimsFile, str(path))) from error
+        raise ClaimsError(error_message(error, ClaimsFile, str(path))) from error
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]
     if faults:
-        raise ClaimsError(told_together(str(path), faults))
+        raise ClaimsError(joined_errors(str(path), faults))
     return Claims(file.claims, experiment, experiment_file)
 
 

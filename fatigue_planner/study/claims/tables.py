@@ -13,7 +13,7 @@ from fatigue_planner.study.claims.schema import Claim
 
 CLAIMS_FILE = "claims.csv"
 DETAIL_FILE = "claims_detail.csv"
-MOST_SHOWN = 3  # comparisons whose numbers stand beside a claim
+MAX_SHOWN = 3  # comparisons whose numbers stand beside a claim
 
 CONTRAST_COLUMNS = [
     "difference", "relative_difference", "t_low", "t_high", "student_p", "paired_p", "holm_p", "equivalence_p"
@@ -77,12 +77,12 @@ def detail_table(findings: Findings, measurements: Measurements, rooms: Rooms | 
 def _numbers(claim: Claim, decisive: tuple[Part, ...], measurements: Measurements) -> str:
     several = len(claim.places()) > 1
     shown = []
-    for part in decisive[:MOST_SHOWN]:
+    for part in decisive[:MAX_SHOWN]:
         comparison = measurements.compare(part.pair)
         if isinstance(comparison, Comparison):
             place = f"{part.pair.condition}, {part.pair.n_cycles} cycles: " if several else ""
             shown.append(place + comparison.numbers())
-    more = len(decisive) - MOST_SHOWN
+    more = len(decisive) - MAX_SHOWN
     return "; ".join(shown) + (f"; and {more} more" if shown and more > 0 else "")
 
 
@@ -98,4 +98,4 @@ def _rooms_told(unshown: tuple[Part, ...], rooms: Rooms | None) -> str:
         if room is not None:
             place = f"{pair.condition}, {pair.n_cycles} cycles"
             found.setdefault((pair.condition, pair.n_cycles, pair.second), f"{place}: {room.told(pair.second)}")
-    return ". ".join(list(found.values())[:MOST_SHOWN]) or "not known: no bound for these conditions"
+    return ". ".join(list(found.values())[:MAX_SHOWN]) or "not known: no bound for these conditions"

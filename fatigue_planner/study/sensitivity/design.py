@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.semantic_checks import meaning_faults
+from fatigue_planner.experiment.semantic_checks import semantic_errors
 from fatigue_planner.study.sensitivity.factors import Level, level_text
 from fatigue_planner.study.sensitivity.study import Study
 
@@ -59,7 +59,7 @@ def _point(
         experiment = parse_experiment(study.changed(changes), name)
     except ExperimentError as error:
         return Point(name, kind, factor, levels, None, str(error).replace("\n", "; "))
-    faults = meaning_faults(experiment)
+    faults = semantic_errors(experiment)
     return Point(name, kind, factor, levels, None if faults else experiment, "; ".join(faults))
 
 
@@ -68,5 +68,5 @@ def _unit_cube(study: Study) -> list[list[float]]:
     from scipy.stats import qmc  # noqa: PLC0415 - takes half a second
 
     filling = study.settings.space_filling
-    sequence = qmc.Sobol(len(study.settings.factors), rng=stream(filling.seed, "space filling"))
+    sequence = qmc.Sobol(len(study.settings.factors), rng=random_stream(filling.seed, "space filling"))
     return [list(map(float, row)) for row in sequence.random(filling.points)]

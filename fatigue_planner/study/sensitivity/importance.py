@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import FactorSettings, Level, level_text
 
@@ -43,17 +43,17 @@ def importance_table(
         chance = (errors.reindex(names) ** 2).mean().reindex(responses.columns) / responses.loc[names].var()
     designs = [factor.regressors([point.levels[name] for point in combined]) for name, factor in factors.items()]
     ranked = responses.loc[names].rank().to_numpy()
-    chances = p_values(designs, values, stream(seed, "permutations")) if combined else None
-    rank_chances = p_values(designs, ranked, stream(seed, "permutations")) if combined else None
+    chances = p_values(designs, values, random_stream(seed, "permutations")) if combined else None
+    rank_chances = p_values(designs, ranked, random_stream(seed, "permutations")) if combined else None
     tables = []
     for place, (name, regressors) in enumerate(zip(factors, designs, strict=True)):
         table = responses.columns.to_frame(index=False)
-        own = shares(regressors, values, stream(seed, "bootstrap", name)) if combined else None
+        own = shares(regressors, values, random_stream(seed, "bootstrap", name)) if combined else None
         table["factor"] = name
         for column, key in enumerate(("share", "share_low", "share_high")):
             table[key] = np.nan if own is None else own[column]
         table["p_value"] = np.nan if chances is None else chances[place]
-        ranks = shares(regressors, ranked, stream(seed, "bootstrap", name)) if combined else None
+        ranks = shares(regressors, ranked, random_stream(seed, "bootstrap", name)) if combined else None
         table["rank_share"] = np.nan if ranks is None else ranks[0]
         table["rank_p_value"] = np.nan if rank_chances is None else rank_chances[place]
         table["chance"] = chance.to_numpy()

@@ -9,7 +9,7 @@ from fatigue_planner.planners.settings import PolicySettings
 from fatigue_planner.study.sensitivity.factors import AnyFactor
 
 # Every level of every factor is checked before anything is run.
-MOST_FACTORS = 50
+MAX_FACTORS = 50
 
 
 class Grid(Settings):
@@ -59,4 +59,4 @@ class StudySettings(Settings):
     headline: Headline
     space_filling: SpaceFilling
     claims: str | None = Field(default=None, min_length=1, max_length=1000)
-    factors: dict[Name, AnyFactor] = Field(min_length=1, max_length=MOST_FACTORS)
+    factors: dict[Name, AnyFactor] = Field(min_length=1, max_length=MAX_FACTORS)

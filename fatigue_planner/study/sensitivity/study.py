@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.error_messages import fault_text
+from fatigue_planner.experiment.error_messages import error_message
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
@@ -21,7 +21,7 @@ from fatigue_planner.study.sensitivity.settings import StudySettings
 # What must be the same at all points, so that their results can be compared, or is not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
 FEWEST_TRIALS = 2
-MOST_REACTIONS = 500
+MAX_REACTIONS = 500
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,10 @@ def load_study(path: Path) -> Study:
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
     base = parse_experiment(content, f"{path}: the grid on {base_file}")
-    if (reactions := len(base.workers) * len(base.actions) * len(base.preferences)) > MOST_REACTIONS:
+    if (reactions := len(base.workers) * len(base.actions) * len(base.preferences)) > MAX_REACTIONS:
         raise ExperimentError(
             f"{path}: base = {settings.base!r}: has {reactions} reactions, all of which change from point to point; "
-            f"at most {MOST_REACTIONS}."
+            f"at most {MAX_REACTIONS}."
         )
     _check_names(path, settings, base)
     plain = base.plain()
@@ -113,7 +113,7 @@ def _read_settings(path: Path) -> StudySettings:
     try:
         return StudySettings.model_validate(content, strict=True)
     except ValidationError as error:
-        raise ExperimentError(fault_text(error, StudySettings, str(path))) from error
+        raise ExperimentError(error_message(error, StudySettings, str(path))) from error
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrasts_in
 
 NOT_DIFFERENT = (Verdict.EQUIVALENT, Verdict.UNDETERMINED)
-MOST_LISTED = 15  # per family; all of them are in the table
+MAX_LISTED = 15  # per family; all of them are in the table
 
 
 def contrast_text(table: pd.DataFrame, settings: StatisticsSettings) -> str:
@@ -41,10 +41,10 @@ def _family_lines(name: str, family: Sequence[Contrast], level: float) -> Iterat
     if otherwise:
         yield f"  The paper's test (Student's, unpaired, not corrected) says otherwise of {len(otherwise)}:"
         yield f"  (the better mean first; its gain as a share of the cost with its {100 * (1 - level):g} % interval)"
-    for contrast in otherwise[:MOST_LISTED]:
+    for contrast in otherwise[:MAX_LISTED]:
         yield f"    {_sentence(contrast if contrast.difference > 0 else contrast.flipped(), level)}"
-    if len(otherwise) > MOST_LISTED:
-        yield f"    … and of {len(otherwise) - MOST_LISTED} more, see contrasts.csv"
+    if len(otherwise) > MAX_LISTED:
+        yield f"    … and of {len(otherwise) - MAX_LISTED} more, see contrasts.csv"
 
 
 def _sentence(contrast: Contrast, level: float) -> str:

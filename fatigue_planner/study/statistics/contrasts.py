@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 import numpy as np
 import pandas as pd
 
-from fatigue_planner.core.random_streams import stream
+from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast
 from fatigue_planner.study.statistics.effect_sizes import cohen_dz, detectable_difference, hedges_g, improvement
@@ -88,7 +88,7 @@ def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings,
     # the draws, too, are the same whichever policy comes first
     key: tuple[str | int, ...] = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
     t_low, t_high = t_interval(differences, level)
-    bca_low, bca_high = bca_interval(differences, level, resamples, stream(seed, "bootstrap", *key))
+    bca_low, bca_high = bca_interval(differences, level, resamples, random_stream(seed, "bootstrap", *key))
     return replace(
         contrast,
         standard_error=standard_error(differences),
@@ -97,7 +97,7 @@ def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings,
         bca_low=bca_low,
         bca_high=bca_high,
         paired_p=paired_p(differences),
-        permutation_p=permutation_p(differences, resamples, stream(seed, "permutation", *key)),
+        permutation_p=permutation_p(differences, resamples, random_stream(seed, "permutation", *key)),
         cohen_dz=cohen_dz(differences),
         detectable_difference=detectable_difference(differences, level),
         equivalence_p=equivalence_p(differences, contrast.equivalence_margin),

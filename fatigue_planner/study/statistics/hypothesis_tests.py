@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.special import stdtr, stdtrit
 from scipy.stats import ttest_ind_from_stats
 
-from fatigue_planner.study.statistics.intervals import MOST_DRAWS, standard_error
+from fatigue_planner.study.statistics.intervals import MAX_DRAWS, standard_error
 from fatigue_planner.study.statistics.pairing import ROUNDING
 
 Vector = NDArray[np.float64]
@@ -57,7 +57,7 @@ def permutation_p(differences: Vector, resamples: int, rng: np.random.Generator)
     if n < resamples.bit_length():
         every = np.arange(2**n)[:, None] >> np.arange(n) & 1
         return float(np.mean(np.abs(total - 2 * _sums(every, differences)) >= limit))
-    extreme, batch = 0, max(1, MOST_DRAWS // n)
+    extreme, batch = 0, max(1, MAX_DRAWS // n)
     for start in range(0, resamples, batch):
         octets = rng.integers(0, 256, (min(batch, resamples - start), -(-n // 8)), dtype=np.uint8)
         flips = np.unpackbits(octets, axis=1, count=n)

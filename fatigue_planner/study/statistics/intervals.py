@@ -11,7 +11,7 @@ from scipy.stats import bootstrap
 Vector = NDArray[np.float64]
 Interval = tuple[float, float]
 
-MOST_DRAWS = 10_000_000  # at a time, so that the memory needed stays below some 200 MB
+MAX_DRAWS = 10_000_000  # at a time, so that the memory needed stays below some 200 MB
 
 
 def standard_error(values: Vector) -> float:
@@ -37,7 +37,7 @@ def bca_interval(values: Vector, level: float, resamples: int, rng: np.random.Ge
             (values,),
             _mean,
             n_resamples=resamples,
-            batch=max(1, MOST_DRAWS // len(values)),
+            batch=max(1, MAX_DRAWS // len(values)),
             confidence_level=1 - level,
             method="BCa",
             vectorized=True,

@@ -32,7 +32,7 @@ Vector = NDArray[np.float64]
 
 # Returns that differ by less than this share of them are the same.
 ROUNDING = 1e-12
-MOST_NAMED = 5
+MAX_NAMED = 5
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def pair(first: Runs, second: Runs) -> Pairs:
 def _fault(gaps: Sequence[tuple[str, Sequence[int]]]) -> str:
     named = []
     for policy, missing in gaps:
-        numbers = ", ".join(map(str, missing[:MOST_NAMED])) + (", …" if len(missing) > MOST_NAMED else "")
+        numbers = ", ".join(map(str, missing[:MAX_NAMED])) + (", …" if len(missing) > MAX_NAMED else "")
         named.append(f"trial{'s' if len(missing) > 1 else ''} {numbers} of {policy}")
     single = sum(len(missing) for _, missing in gaps) == 1
     return f"{' and '.join(named)} {'is' if single else 'are'} missing"

@@ -14,14 +14,15 @@ from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, percent_range, significant
 from fatigue_planner.output.reports.html.page import page
-from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
 from fatigue_planner.study.statistics.contrast import Contrast
-from fatigue_planner.study.statistics.pairing import records, side_by_side
+from fatigue_planner.study.statistics.contrasts import side_by_side
+from fatigue_planner.study.statistics.pairing import records
 
 # Of what the manifest says, these are not settings of the experiment.
 IRRELEVANT = ("figures",)
-MOST_NAMED = 5  # cells that are in one folder only
+MAX_NAMED = 5  # cells that are in one folder only
 
 
 @dataclass(frozen=True)
@@ -107,8 +108,8 @@ def compare_text(found: Comparison) -> str:
 
 
 def _few(cells: list[str]) -> str:
-    more = len(cells) - MOST_NAMED
-    return ", ".join(cells[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    more = len(cells) - MAX_NAMED
+    return ", ".join(cells[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def _aligned(rows: list[list[str]]) -> Iterator[list[str]]:
@@ -141,9 +142,9 @@ def _rows(found: Comparison) -> list[list[str]]:
     return rows
 
 
-def compare_page(found: Comparison, gallery: Gallery, name: str) -> str:
-    """The comparison as a page (HTML); its table goes to the gallery's folder under this name."""
-    file = gallery.add_table(name, found.contrasts)
+def compare_page(found: Comparison, figures: FigureFolder, name: str) -> str:
+    """The comparison as a page (HTML); its table goes to the figures' folder under this name."""
+    file = figures.add_table(name, found.contrasts)
     a, b = found.names
     blocks: list[Block] = [
         Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; intervals are at {percent(1 - found.level, 0)}.")

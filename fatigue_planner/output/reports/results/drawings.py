@@ -16,7 +16,7 @@ from fatigue_planner.output.figures.returns import returns_figure
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure
 from fatigue_planner.output.reports.html.blocks import Picture, listing, percent, significant
-from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.statistics.comparison import STARS
 from fatigue_planner.study.statistics.pairing import cells_of, records
@@ -25,7 +25,7 @@ from fatigue_planner.study.statistics.pairing import cells_of, records
 JOINT_OF = {joint.child: joint.name for joint in JOINTS}
 
 
-def draw_returns(gallery: Gallery, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
+def draw_returns(figures: FigureFolder, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
     """The paper's Figure 5: one picture for each that the experiment names."""
     pictures = []
     for name, conditions in experiment.figures.items():
@@ -37,7 +37,7 @@ def draw_returns(gallery: Gallery, experiment: Experiment, comparison: pd.DataFr
             f"({', '.join(f'{mark} p < {limit:g}' for limit, mark in reversed(STARS))}, ns: p ≥ "
             f"{experiment.statistics.significance_level:g}; none where a policy has one run only)."
         )
-        pictures.append(gallery.add(name, figure, shown, caption, _best_and_worst(shown)))
+        pictures.append(figures.add(name, figure, shown, caption, _best_and_worst(shown)))
     return pictures
 
 
@@ -53,7 +53,7 @@ def _best_and_worst(comparison: pd.DataFrame) -> str:
 
 
 def draw_reactions(
-    gallery: Gallery,
+    figures: FigureFolder,
     experiment: Experiment,
     reactions: Sequence[Reaction],
     parameters: Mapping[str, FatigueParameters],
@@ -67,19 +67,19 @@ def draw_reactions(
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
         figure, table = posture_figure(build_human(person), own, parameters[worker])
         caption = f"The reactions{whose} in the middle of the work; discs: the largest load at each joint."
-        pictures.append(gallery.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
+        pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
         if len(own) <= FEW:
             figure, table = course_figure(own, parameters)
             caption = f"Loads{whose} over the cycle: the entries with the highest mean load."
-            pictures.append(gallery.add(f"courses{suffix}", figure, table, caption, _peaks(table)))
+            pictures.append(figures.add(f"courses{suffix}", figure, table, caption, _peaks(table)))
         map_figure = place_figure(places, worker, list(experiment.preferences))
         if map_figure is not None:
             table = places[places["worker"] == worker]
             caption = f"What it costs{whose} to work at each place."
-            pictures.append(gallery.add(f"places{suffix}", map_figure, table, caption, _cheapest_and_dearest(table)))
+            pictures.append(figures.add(f"places{suffix}", map_figure, table, caption, _cheapest_and_dearest(table)))
     figure, table = torque_figure(reactions, parameters)
     caption = "Mean loads during work above the threshold of fatigue, as share of the worker's strength."
-    return [*pictures, gallery.add("torques", figure, table, caption, _heaviest_entries(table))]
+    return [*pictures, figures.add("torques", figure, table, caption, _heaviest_entries(table))]
 
 
 def _heaviest_joints(table: pd.DataFrame) -> str:

@@ -10,7 +10,7 @@ from fatigue_planner.output.figures.style import save_figure
 from fatigue_planner.output.reports.html.blocks import Picture
 
 
-class Gallery:
+class FigureFolder:
     """Saves figures and tables into a folder, and remembers the files."""
 
     def __init__(self, folder: Path) -> None:

@@ -7,8 +7,8 @@ from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.output.reports.html.blocks import Points, Section
 from fatigue_planner.output.reports.html.page import page
-from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.actions import actions_section
 from fatigue_planner.output.reports.results.sections.claims import claims_section, claims_sentence
 from fatigue_planner.output.reports.results.sections.fatigue import fatigue_section
@@ -25,34 +25,34 @@ from fatigue_planner.study.claims.loader import load_claims
 
 
 def report(
-    material: Material, gallery: Gallery, file: Path, commands: Sequence[str], study: FinishedStudy | None
+    report_data: ReportData, figures: FigureFolder, file: Path, commands: Sequence[str], study: FinishedStudy | None
 ) -> str:
-    """The page (HTML) of the experiment in `file`; its figures and tables go to the gallery's folder.
+    """The page (HTML) of the experiment in `file`; its figures and tables go to the figures' folder.
 
     Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`; `study` is a
     sensitivity study of the experiment.
     """
-    found, claims = findings(material), None
+    found, claims = findings(report_data), None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
     if claims_file.exists():
-        judged = evaluate_claims(material, claims_file, file)
-        claims = claims_section(judged, claims_file, gallery)
+        judged = evaluate_claims(report_data, claims_file, file)
+        claims = claims_section(judged, claims_file, figures)
         found.append(claims_sentence(judged))
     if study is not None:
         found.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
     sections: list[Section | None] = [
-        returns_section(material, gallery),
-        losses_section(material, gallery),
-        fatigue_section(material, gallery),
-        actions_section(material, gallery),
-        reactions_section(material, gallery),
+        returns_section(report_data, figures),
+        losses_section(report_data, figures),
+        fatigue_section(report_data, figures),
+        actions_section(report_data, figures),
+        reactions_section(report_data, figures),
         claims,
         sensitivity_section(study),
         settings_section(file),
-        provenance_section(material, list(commands), file),
+        provenance_section(report_data, list(commands), file),
     ]
     return page(
-        f"Results of the experiment {material.experiment.name}",
+        f"Results of the experiment {report_data.experiment.name}",
         f"Written by fatplan {versions()['fatplan']} from {file.name} and the tables beside this page; no number is "
         "typed.",
         [Points(found)],
@@ -60,10 +60,10 @@ def report(
     )
 
 
-def evaluate_claims(material: Material, file: Path, experiment_file: Path) -> Evaluation:
+def evaluate_claims(report_data: ReportData, file: Path, experiment_file: Path) -> Evaluation:
     """The claims of a file, judged by the tables. Raises ClaimsError if they are about another experiment."""
     loaded = load_claims(file)
     if loaded.experiment_file.resolve() != experiment_file.resolve():
         raise ClaimsError(f"{file}: experiment: is {loaded.experiment_file}; should be {experiment_file.name}.")
-    statistics, seed = material.experiment.statistics, material.experiment.benchmark.seed
-    return evaluate(loaded.claims, material.results.trials, statistics, seed, material.results.bounds)
+    statistics, seed = report_data.experiment.statistics, report_data.experiment.benchmark.seed
+    return evaluate(loaded.claims, report_data.results.trials, statistics, seed, report_data.results.bounds)

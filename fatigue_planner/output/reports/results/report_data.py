@@ -19,7 +19,7 @@ from fatigue_planner.study.statistics.regret import gap_table, regret_table
 
 
 @dataclass(frozen=True)
-class Material:
+class ReportData:
     """An experiment, its reactions, its tables and the courses of its runs; all else follows from these."""
 
     experiment: Experiment

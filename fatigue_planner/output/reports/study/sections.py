@@ -21,7 +21,7 @@ from fatigue_planner.study.sensitivity.conclusions import at_headline, percent
 from fatigue_planner.study.sensitivity.robustness import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
-LONGEST_REASON = 240
+MAX_REASON_LENGTH = 240
 WIDEST = 3  # settings that the words for a tornado chart name
 COMBINED = "space filling"
 
@@ -153,7 +153,7 @@ def _p_value(p_value: float) -> str:
 
 
 def _short(reason: str) -> str:
-    return reason if len(reason) <= LONGEST_REASON else f"{reason[:LONGEST_REASON]}…"
+    return reason if len(reason) <= MAX_REASON_LENGTH else f"{reason[:MAX_REASON_LENGTH]}…"
 
 
 def _picture(study: FinishedStudy, name: str, where: str) -> Picture:

@@ -4,7 +4,7 @@ import math
 
 from fatigue_planner.experiment.statistics_settings import POWER
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer, Judgement
+from fatigue_planner.study.claims.answers import Answer, RegretJob
 from fatigue_planner.study.claims.measurements import Comparison
 
 
@@ -19,7 +19,7 @@ class ModernAnalysis(Analysis):
             return comparison.contrast.note or "no p-value"
         return ""
 
-    def significantly_better(self, comparison: Comparison) -> Judgement:
+    def significantly_better(self, comparison: Comparison) -> RegretJob:
         """Holm's p < level and a positive difference; worse or equivalent fails."""
         if comparison.exact:
             return self.by_sign(comparison)
@@ -27,62 +27,62 @@ class ModernAnalysis(Analysis):
         against = -comparison.share(contrast.difference)
         if contrast.holm_p < self.level:
             if contrast.difference < 0:
-                return Judgement(Answer.FAILS, f"significantly worse ({_holm(comparison)})", against)
+                return RegretJob(Answer.FAILS, f"significantly worse ({_holm(comparison)})", against)
             small = ", though by less than the margin" if self._within(comparison) else ""
-            return Judgement(Answer.HOLDS, f"significantly better{small} ({_holm(comparison)})", against)
+            return RegretJob(Answer.HOLDS, f"significantly better{small} ({_holm(comparison)})", against)
         if self._within(comparison):
-            return Judgement(Answer.FAILS, f"the same within the margin ({_tost(comparison)})", against)
+            return RegretJob(Answer.FAILS, f"the same within the margin ({_tost(comparison)})", against)
         found = 100 * comparison.share(contrast.detectable_difference)
-        return Judgement(
+        return RegretJob(
             Answer.OPEN,
             f"neither better nor the same is shown ({_holm(comparison)}; {found:.2g} % would have been found with "
             f"{100 * POWER:g} % power, uncorrected)",
             against,
         )
 
-    def better(self, comparison: Comparison) -> Judgement:
+    def better(self, comparison: Comparison) -> RegretJob:
         """A better mean that chance may have made is none."""
         return self.significantly_better(comparison)
 
-    def not_different(self, comparison: Comparison) -> Judgement:
+    def not_different(self, comparison: Comparison) -> RegretJob:
         """Holm's p < level fails; the same within the margin holds."""
         if comparison.exact:
             return self.by_margin(comparison)
         size = abs(comparison.share(comparison.contrast.difference))
         if comparison.contrast.holm_p < self.level:
             small = ", though by less than the margin" if self._within(comparison) else ""
-            return Judgement(Answer.FAILS, f"significantly different{small} ({_holm(comparison)})", size)
+            return RegretJob(Answer.FAILS, f"significantly different{small} ({_holm(comparison)})", size)
         if self._within(comparison):
-            return Judgement(Answer.HOLDS, f"the same within the margin ({_tost(comparison)})", size)
-        return Judgement(Answer.OPEN, f"neither different nor the same is shown ({_holm(comparison)})", size)
+            return RegretJob(Answer.HOLDS, f"the same within the margin ({_tost(comparison)})", size)
+        return RegretJob(Answer.OPEN, f"neither different nor the same is shown ({_holm(comparison)})", size)
 
-    def equivalent(self, comparison: Comparison) -> Judgement:
+    def equivalent(self, comparison: Comparison) -> RegretJob:
         """The same within the margin holds; an interval outside it fails."""
         if comparison.exact:
             return self.by_margin(comparison)
         contrast = comparison.contrast
         size = abs(comparison.share(contrast.difference))
         if self._within(comparison):
-            return Judgement(Answer.HOLDS, f"the same within the margin ({_tost(comparison)})", size)
+            return RegretJob(Answer.HOLDS, f"the same within the margin ({_tost(comparison)})", size)
         if contrast.t_low > contrast.equivalence_margin or contrast.t_high < -contrast.equivalence_margin:
-            return Judgement(Answer.FAILS, "more than the margin apart, with all of the interval", size)
-        return Judgement(Answer.OPEN, f"the same within the margin is not shown ({_tost(comparison)})", size)
+            return RegretJob(Answer.FAILS, "more than the margin apart, with all of the interval", size)
+        return RegretJob(Answer.OPEN, f"the same within the margin is not shown ({_tost(comparison)})", size)
 
-    def same_mean(self, comparison: Comparison) -> Judgement:
+    def same_mean(self, comparison: Comparison) -> RegretJob:
         """As `equivalent`: means of samples are never the same."""
         return self.equivalent(comparison)
 
-    def at_least_as_good(self, comparison: Comparison) -> Judgement:
+    def at_least_as_good(self, comparison: Comparison) -> RegretJob:
         """The interval lies above minus the margin (holds) or below it (fails)."""
         if comparison.exact:
             return self.as_good_by_margin(comparison)
         contrast = comparison.contrast
         against = -comparison.share(contrast.difference)
         if contrast.t_low > -contrast.equivalence_margin:
-            return Judgement(Answer.HOLDS, "not worse than the margin, with all of the interval", against)
+            return RegretJob(Answer.HOLDS, "not worse than the margin, with all of the interval", against)
         if contrast.t_high < -contrast.equivalence_margin:
-            return Judgement(Answer.FAILS, "worse by more than the margin, with all of the interval", against)
-        return Judgement(Answer.OPEN, "the interval has the margin inside", against)
+            return RegretJob(Answer.FAILS, "worse by more than the margin, with all of the interval", against)
+        return RegretJob(Answer.OPEN, "the interval has the margin inside", against)
 
     def size(self, comparison: Comparison) -> tuple[float, float]:
         """What the interval of the difference leaves for its size."""

@@ -1,7 +1,7 @@
 """A performs as well as B."""
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Judgement
+from fatigue_planner.study.claims.answers import RegretJob
 from fatigue_planner.study.claims.measurements import Comparison
 from fatigue_planner.study.claims.relations.relation import EachOverEach
 
@@ -11,6 +11,6 @@ class AtLeastAsGood(EachOverEach):
 
     superiority = False
 
-    def ask(self, analysis: Analysis, comparison: Comparison) -> Judgement:
+    def ask(self, analysis: Analysis, comparison: Comparison) -> RegretJob:
         """The question."""
         return analysis.at_least_as_good(comparison)

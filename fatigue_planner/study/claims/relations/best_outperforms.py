@@ -1,7 +1,7 @@
 """Our approach outperforms B, where the approach has several versions: the best of them does."""
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer, Judgement, all_of, any_of
+from fatigue_planner.study.claims.answers import Answer, RegretJob, all_of, any_of
 from fatigue_planner.study.claims.measurements import Comparison, Pair
 from fatigue_planner.study.claims.relations.relation import Finding, Part, Relation, judged, strongest_first, told
 from fatigue_planner.study.claims.schema import Claim
@@ -45,7 +45,7 @@ class BestOutperforms(Relation):
         return Finding(answer, reason, tuple(parts), decisive)
 
 
-def _better(analysis: Analysis, comparison: Comparison) -> Judgement:
+def _better(analysis: Analysis, comparison: Comparison) -> RegretJob:
     return analysis.better(comparison)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer, Judgement
+from fatigue_planner.study.claims.answers import Answer, RegretJob
 from fatigue_planner.study.claims.measurements import Pair
 from fatigue_planner.study.claims.relations.relation import Finding, Part, Relation, told, usable
 from fatigue_planner.study.claims.schema import Claim
@@ -37,7 +37,7 @@ class LessSensitive(Relation):
                 reasons = [f"differ by {_told(size)} of the cost" for size in (ours, theirs)]
                 sizes.append((ours, theirs))
             parts += [
-                Part(pair, Judgement(answer, reason, measured=not isinstance(one, str)))
+                Part(pair, RegretJob(answer, reason, measured=not isinstance(one, str)))
                 for pair, one, reason in zip(pairs, found, reasons, strict=True)
             ]
         unmeasured = tuple(part for part in parts if not part.judgement.measured)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Judgement
+from fatigue_planner.study.claims.answers import RegretJob
 from fatigue_planner.study.claims.measurements import Comparison
 from fatigue_planner.study.claims.relations.relation import EachOverEach
 from fatigue_planner.study.claims.schema import Claim
@@ -12,7 +12,7 @@ from fatigue_planner.study.claims.schema import Claim
 class LowPerformance(EachOverEach):
     """Each of `others` is better than each of `policies`."""
 
-    def ask(self, analysis: Analysis, comparison: Comparison) -> Judgement:
+    def ask(self, analysis: Analysis, comparison: Comparison) -> RegretJob:
         """The question."""
         return analysis.better(comparison)
 

@@ -3,7 +3,7 @@
 from itertools import permutations
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer, Judgement
+from fatigue_planner.study.claims.answers import Answer, RegretJob
 from fatigue_planner.study.claims.measurements import Comparison, Pair
 from fatigue_planner.study.claims.relations.relation import Finding, Part, Relation, judged, told
 from fatigue_planner.study.claims.schema import Claim
@@ -44,7 +44,7 @@ class NoSingleBest(Relation):
         return Finding(Answer.HOLDS, "; ".join(against), parts, tuple(shown))
 
 
-def _significantly_better(analysis: Analysis, comparison: Comparison) -> Judgement:
+def _significantly_better(analysis: Analysis, comparison: Comparison) -> RegretJob:
     return analysis.significantly_better(comparison)
 
 

@@ -7,7 +7,7 @@ from itertools import combinations
 from typing import ClassVar
 
 from fatigue_planner.study.claims.analyses.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer, Judgement, all_of
+from fatigue_planner.study.claims.answers import Answer, RegretJob, all_of
 from fatigue_planner.study.claims.measurements import Comparison, Pair
 from fatigue_planner.study.claims.schema import Claim
 
@@ -17,7 +17,7 @@ class Part:
     """A comparison a claim consists of, and what an analysis says of it."""
 
     pair: Pair
-    judgement: Judgement
+    judgement: RegretJob
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class PairwiseRelation(Relation):
         """The pairs of policies."""
 
     @abstractmethod
-    def ask(self, analysis: Analysis, comparison: Comparison) -> Judgement:
+    def ask(self, analysis: Analysis, comparison: Comparison) -> RegretJob:
         """The question."""
 
     def judge(self, claim: Claim, analysis: Analysis) -> Finding:
@@ -104,11 +104,11 @@ def usable(pair: Pair, analysis: Analysis) -> Comparison | str:
     return comparison if isinstance(comparison, str) else analysis.unusable(comparison) or comparison
 
 
-def judged(pair: Pair, analysis: Analysis, ask: Callable[[Analysis, Comparison], Judgement]) -> Part:
+def judged(pair: Pair, analysis: Analysis, ask: Callable[[Analysis, Comparison], RegretJob]) -> Part:
     """A pair and the answer to a question about it; undetermined, with the reason, where nothing can be concluded."""
     comparison = usable(pair, analysis)
     if isinstance(comparison, str):
-        return Part(pair, Judgement(Answer.OPEN, comparison, measured=False))
+        return Part(pair, RegretJob(Answer.OPEN, comparison, measured=False))
     return Part(pair, ask(analysis, comparison))
 
 

@@ -5,22 +5,22 @@ import pandas as pd
 from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Section, listing, percent
-from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 from fatigue_planner.study.statistics.pairing import groups_of
 
 
-def actions_section(material: Material, gallery: Gallery) -> Section:
+def actions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """The actions of the longest runs, drawn as a raster."""
-    names = list(material.experiment.actions)
-    table = raster_table(material.results.actions, material.longest)
+    names = list(report_data.experiment.actions)
+    table = raster_table(report_data.results.actions, report_data.longest)
     caption = (
-        f"The action of every cycle in up to {RUNS} runs of {material.longest} cycles: a row is a run; runs in the "
+        f"The action of every cycle in up to {RUNS} runs of {report_data.longest} cycles: a row is a run; runs in the "
         "same place of a condition meet the same worker. A policy with one row is the same in every run."
     )
-    figure = raster_figure(table, names, material.policies)
-    picture = gallery.add("actions_taken", figure, table, caption, _shares(table, names))
+    figure = raster_figure(table, names, report_data.policies)
+    picture = figures.add("actions_taken", figure, table, caption, _shares(table, names))
     return Section("Which action when", [picture])
 
 

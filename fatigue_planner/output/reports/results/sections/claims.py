@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from fatigue_planner.output.reports.html.blocks import Section, Table, Text, listing
-from fatigue_planner.output.reports.results.figure_folder import Gallery
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.claims.answers import VERDICTS
 from fatigue_planner.study.claims.evaluation import Evaluation
 from fatigue_planner.study.statistics.pairing import records
 
 
-def claims_section(evaluation: Evaluation, file: Path, gallery: Gallery) -> Section:
+def claims_section(evaluation: Evaluation, file: Path, figures: FigureFolder) -> Section:
     """Every claim with its verdicts; why, and how far any policy could win."""
     rows = []
     for claim in records(evaluation.claims):
@@ -24,8 +24,8 @@ def claims_section(evaluation: Evaluation, file: Path, gallery: Gallery) -> Sect
         f"The claims of `{file.name}`. Verdict: by the paired and corrected analysis, equality by a test of "
         "equivalence; beside it that of the paper's own test. Numbers: difference of the returns in % of the cost."
     )
-    file_name = gallery.add_table("claims", evaluation.claims)
-    gallery.add_table("claims_detail", evaluation.detail)
+    file_name = figures.add_table("claims", evaluation.claims)
+    figures.add_table("claims_detail", evaluation.detail)
     header = ["section", "claim", "asks", "verdict", "paper's test", "why, and numbers"]
     return Section(
         "The paper's claims",

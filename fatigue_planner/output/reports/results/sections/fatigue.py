@@ -5,16 +5,16 @@ import numpy as np
 from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Section, listing, percent
-from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.reports.results.report_data import ReportData
 
 
-def fatigue_section(material: Material, gallery: Gallery) -> Section:
+def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """How tired each group of joints gets under each policy in the longest runs."""
-    longest = material.longest
+    longest = report_data.longest
     fatigue = {
         (condition, policy): np.array([course.fatigue for course in runs])
-        for (condition, n_cycles, policy), runs in material.courses.items()
+        for (condition, n_cycles, policy), runs in report_data.courses.items()
         if n_cycles == longest
     }
     table = fatigue_table(fatigue)
@@ -37,5 +37,5 @@ def fatigue_section(material: Material, gallery: Gallery) -> Section:
     alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
     return Section(
         "Fatigue over the cycles",
-        [gallery.add("fatigue", fatigue_figure(table, material.policies), table, caption, alternative)],
+        [figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative)],
     )

@@ -6,30 +6,30 @@ import pandas as pd
 
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import counted, listing, percent, percent_range
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.losses import most_to_win
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
-def findings(material: Material) -> list[str]:
+def findings(report_data: ReportData) -> list[str]:
     """A few sentences, each from the tables."""
-    grid, trials = material.experiment.benchmark, material.results.trials
+    grid, trials = report_data.experiment.benchmark, report_data.results.trials
     items = [
         f"{counted(len(grid.policies), 'policy', 'policies')} in {counted(len(grid.conditions), 'condition')} over "
         f"{listing([str(n) for n in grid.n_cycles])} cycles: {counted(len(trials), 'run')}, seed {grid.seed}.",
-        _leaders(material),
-        *_against_the_anchor(material),
+        _leaders(report_data),
+        *_against_the_anchor(report_data),
     ]
-    if material.gaps is not None and len(material.gaps):
-        items.append(_most_to_win(material, material.gaps))
+    if report_data.gaps is not None and len(report_data.gaps):
+        items.append(_most_to_win(report_data, report_data.gaps))
     return items
 
 
-def _leaders(material: Material) -> str:
+def _leaders(report_data: ReportData) -> str:
     """Policies with the same mean all lead."""
     best: Counter[str] = Counter()
-    cells = [cell for _, _, cell in cells_of(material.comparison)]
+    cells = [cell for _, _, cell in cells_of(report_data.comparison)]
     for cell in cells:
         best.update(cell.loc[cell["mean"] == cell["mean"].max(), "policy"])
     return (
@@ -39,18 +39,18 @@ def _leaders(material: Material) -> str:
     )
 
 
-def _against_the_anchor(material: Material) -> list[str]:
+def _against_the_anchor(report_data: ReportData) -> list[str]:
     """For every condition the policy with the best mean in the longest runs, beside the anchor."""
-    level, sentences = material.experiment.statistics.significance_level, []
-    for condition, n_cycles, cell in cells_of(material.comparison):
-        others = [row["policy"] for row in records(cell) if row["policy"] != material.anchor]
-        pair = (condition, n_cycles, others[0], material.anchor) if others else None
-        if n_cycles != material.longest or pair is None or not is_compared(material.contrasts, *pair):
+    level, sentences = report_data.experiment.statistics.significance_level, []
+    for condition, n_cycles, cell in cells_of(report_data.comparison):
+        others = [row["policy"] for row in records(cell) if row["policy"] != report_data.anchor]
+        pair = (condition, n_cycles, others[0], report_data.anchor) if others else None
+        if n_cycles != report_data.longest or pair is None or not is_compared(report_data.contrasts, *pair):
             continue
-        found = contrast_of(material.contrasts, *pair)
+        found = contrast_of(report_data.contrasts, *pair)
         sentences.append(
-            f"{words(condition)}, {n_cycles} cycles: the best besides `{material.anchor}` is `{others[0]}`; its cost "
-            f"is {_difference(found, level)}."
+            f"{words(condition)}, {n_cycles} cycles: the best besides `{report_data.anchor}` is `{others[0]}`; "
+            f"its cost is {_difference(found, level)}."
         )
     return sentences
 
@@ -79,10 +79,11 @@ def _words(found: Contrast, level: float) -> str:
     }[found.verdict(level)]
 
 
-def _most_to_win(material: Material, gaps: pd.DataFrame) -> str:
-    last = gaps[(gaps["n_cycles"] == material.longest) & (gaps["policy"] == material.anchor)]
+def _most_to_win(report_data: ReportData, gaps: pd.DataFrame) -> str:
+    last = gaps[(gaps["n_cycles"] == report_data.longest) & (gaps["policy"] == report_data.anchor)]
     shares = [f"{most_to_win(row)} ({words(row['condition'])})" for row in records(last)]
     return (
-        f"Over {material.longest} cycles no policy whatsoever can be expected to cost less than `{material.anchor}` by "
-        f"more than {listing(shares)}: the bound is proved; ± is the standard error of that policy's own mean."
+        f"Over {report_data.longest} cycles no policy whatsoever can be expected to cost less than "
+        f"`{report_data.anchor}` by more than {listing(shares)}: "
+        f"the bound is proved; ± is the standard error of that policy's own mean."
     )

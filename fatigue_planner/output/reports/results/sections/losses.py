@@ -6,8 +6,8 @@ from typing import Any
 from fatigue_planner.output.figures.regret import regret_figure
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, listing, percent, significant
-from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.study.statistics.pairing import cells_of, groups_of, records
@@ -15,23 +15,23 @@ from fatigue_planner.study.statistics.pairing import cells_of, groups_of, record
 HOW = "Not measured: `fatplan benchmark --regret --bound` adds it."
 
 
-def losses_section(material: Material, gallery: Gallery) -> Section:
+def losses_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Regret and bounds, or the command that makes them."""
     blocks: list[Block] = []
-    if material.regret is None and material.gaps is None:
+    if report_data.regret is None and report_data.gaps is None:
         blocks.append(Text(HOW))
-    if material.regret is not None:
-        blocks += _regret(material, gallery)
-    if material.gaps is not None and len(material.gaps):
-        blocks += _bounds(material)
+    if report_data.regret is not None:
+        blocks += _regret(report_data, figures)
+    if report_data.gaps is not None and len(report_data.gaps):
+        blocks += _bounds(report_data)
     return Section("Distance to the optimum", blocks)
 
 
-def _regret(material: Material, gallery: Gallery) -> list[Block]:
-    table = material.regret
+def _regret(report_data: ReportData, figures: FigureFolder) -> list[Block]:
+    table = report_data.regret
     assert table is not None
-    judges = material.results.note.references
-    named = [condition for condition in material.experiment.benchmark.conditions if condition in judges]
+    judges = report_data.results.note.references
+    named = [condition for condition in report_data.experiment.benchmark.conditions if condition in judges]
     references = [f"{words(condition)}: {describe(judges[condition])}" for condition in named]
     intro = (
         "Every decision of every run is judged by a reference that looks ahead exactly: "
@@ -39,25 +39,25 @@ def _regret(material: Material, gallery: Gallery) -> list[Block]:
         + ". Regret is the reference's value of the best action minus that of the action taken, summed over a run with "
         "the task's discount. The reference, like the policies, plans for a task without end."
     )
-    last = table[table["n_cycles"] == material.longest]
+    last = table[table["n_cycles"] == report_data.longest]
     sentences = [
         f"{words(condition)}: "
         + listing([f"{words(row['policy'])} {percent(row['run_loss_share'])}" for row in records(cell)])
         for condition, cell in groups_of(last, "condition")
     ]
-    figure = regret_figure(table, material.longest, material.policies)
+    figure = regret_figure(table, report_data.longest, report_data.policies)
     caption = "What the decisions of a run lose against the reference, as share of the run's cost."
-    return [Text(intro), gallery.add("regret_by_policy", figure, table, caption, "; ".join(sentences) + ".")]
+    return [Text(intro), figures.add("regret_by_policy", figure, table, caption, "; ".join(sentences) + ".")]
 
 
-def _bounds(material: Material) -> list[Block]:
-    gaps = material.gaps
+def _bounds(report_data: ReportData) -> list[Block]:
+    gaps = report_data.gaps
     assert gaps is not None
     rows = []
     for condition, n_cycles, cell in cells_of(gaps):
         rows_of = records(cell)
         best = rows_of[0]
-        anchor = next(row for row in rows_of if row["policy"] == material.anchor)
+        anchor = next(row for row in rows_of if row["policy"] == report_data.anchor)
         rows.append(
             [
                 words(condition), str(n_cycles), significant(best["cost_bound"], 6),
@@ -68,11 +68,11 @@ def _bounds(material: Material) -> list[Block]:
     caption = (
         "The least expected cost that any policy can have, proved by a relaxation without a solver, and how far the "
         "policies are from it. The last column is the most that any policy could win: a claim of a larger win over "
-        f"`{material.anchor}` cannot be true here. ± is the standard error of that policy's own mean."
+        f"`{report_data.anchor}` cannot be true here. ± is the standard error of that policy's own mean."
     )
     header = [
         "condition", "cycles", "least expected cost", "which is", "best policy", "its mean above it",
-        f"most to win over {words(material.anchor)}",
+        f"most to win over {words(report_data.anchor)}",
     ]  # fmt: skip
     return [Table(caption, header, rows, BOUNDS_FILE)]
 

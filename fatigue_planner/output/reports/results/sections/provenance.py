@@ -7,18 +7,18 @@ from pathlib import Path
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.output.reports.html.blocks import Code, Section, Table, Text
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.report_data import ReportData
 
 
-def provenance_section(material: Material, commands: list[str], file: Path) -> Section:
+def provenance_section(report_data: ReportData, commands: list[str], file: Path) -> Section:
     """Commands, versions, seed, hashes and the whole configuration; `file` is the experiment's."""
-    made, here = material.results.note.versions, versions()
+    made, here = report_data.results.note.versions, versions()
     versions_used = [[name, made.get(name, "n/a"), version] for name, version in here.items()]
-    hashes = [[name, digest] for name, digest in sorted(material.results.note.sha256.items())]
+    hashes = [[name, digest] for name, digest in sorted(report_data.results.note.sha256.items())]
     hashes.append([file.name, hashlib.sha256(file.read_bytes()).hexdigest()])
-    hashes += [[f"reaction {request.name}", request.digest] for request in reaction_requests(material.experiment)]
-    seed = material.experiment.benchmark.seed
-    configuration = json.dumps(material.experiment.plain(), indent=1, ensure_ascii=False)
+    hashes += [[f"reaction {request.name}", request.digest] for request in reaction_requests(report_data.experiment)]
+    seed = report_data.experiment.benchmark.seed
+    configuration = json.dumps(report_data.experiment.plain(), indent=1, ensure_ascii=False)
     return Section(
         "Provenance",
         [

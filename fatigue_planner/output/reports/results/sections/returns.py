@@ -6,27 +6,27 @@ from fatigue_planner.output.figures.estimates import estimate_figure, estimate_t
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Block, Section, Text, counted, listing, percent, percent_range
 from fatigue_planner.output.reports.results.drawings import draw_returns
-from fatigue_planner.output.reports.results.figure_folder import Gallery
-from fatigue_planner.output.reports.results.report_data import Material
+from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
-def returns_section(material: Material, gallery: Gallery) -> Section:
+def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Figure 5 as the paper draws it, and differences to one policy with paired intervals."""
-    blocks: list[Block] = [*draw_returns(gallery, material.experiment, material.comparison)]
-    settings = material.experiment.statistics
-    table = estimate_table(material.contrasts, material.results.trials, material.anchor)
+    blocks: list[Block] = [*draw_returns(figures, report_data.experiment, report_data.comparison)]
+    settings = report_data.experiment.statistics
+    table = estimate_table(report_data.contrasts, report_data.results.trials, report_data.anchor)
     if len(table):
         level = percent(1 - settings.significance_level, 0)
         caption = (
-            f"The same runs as estimates: mean cost above that of `{material.anchor}` in the same worlds, as share of "
-            f"its cost, with {level} intervals (paired t). In the grey band policies count as equal "
+            f"The same runs as estimates: mean cost above that of `{report_data.anchor}` in the same worlds, as share "
+            f"of its cost, with {level} intervals (paired t). In the grey band policies count as equal "
             f"(±{percent(settings.equivalence_margin, 1)} of the cost, fixed before)."
         )
-        figure = estimate_figure(table, settings.equivalence_margin, material.policies)
-        blocks.append(gallery.add("estimates", figure, table, caption, _extremes(table)))
-    blocks.append(Text(_counts(material, gallery.add_table("contrasts", material.contrasts))))
+        figure = estimate_figure(table, settings.equivalence_margin, report_data.policies)
+        blocks.append(figures.add("estimates", figure, table, caption, _extremes(table)))
+    blocks.append(Text(_counts(report_data, figures.add_table("contrasts", report_data.contrasts))))
     return Section("Returns", blocks)
 
 
@@ -44,10 +44,10 @@ def _extremes(table: pd.DataFrame) -> str:
     return "; ".join(sentences) + "."
 
 
-def _counts(material: Material, file: str) -> str:
+def _counts(report_data: ReportData, file: str) -> str:
     """How the modern analysis and the paper's test count the comparisons."""
-    level = material.experiment.statistics.significance_level
-    rows = contrasts_in(material.contrasts)
+    level = report_data.experiment.statistics.significance_level
+    rows = contrasts_in(report_data.contrasts)
     tested = [row for row in rows if row.paired_p >= 0]
     if not tested:
         return "No two policies could be tested against each other."

@@ -5,7 +5,7 @@ from fatigue_planner.output.reports.html.page import REPORT_FILE
 from fatigue_planner.output.reports.study.finished import FinishedStudy
 from fatigue_planner.output.reports.study.sections import claims_over_points, deciding, lessons, over_all_cells
 
-MOST_SETTINGS = 8
+MAX_SETTINGS = 8
 
 
 def sensitivity_section(study: FinishedStudy | None) -> Section:
@@ -15,7 +15,7 @@ def sensitivity_section(study: FinishedStudy | None) -> Section:
         how = "No sensitivity study of this experiment is among the results; `fatplan sensitivity` makes one."
         return Section(title, [Text(how)])
     where = f"../{study.folder.name}/"
-    blocks = [lessons(study), *deciding(study, where, MOST_SETTINGS), over_all_cells(study, where)]
+    blocks = [lessons(study), *deciding(study, where, MAX_SETTINGS), over_all_cells(study, where)]
     claims = claims_over_points(study, where)
     if claims is not None:
         blocks += claims.blocks
