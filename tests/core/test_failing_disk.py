@@ -2,8 +2,8 @@
 
 import errno
 import hashlib
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -46,33 +46,15 @@ class Remembering(Executor):
     def workers(self) -> int:
         return 1
 
-    @contextmanager
-    def pool(self, work: Callable[[Any], Any], most: int) -> Iterator[Pool]:
-        yield _Here(work, self._known)
+    def pool(self, most: int) -> AbstractContextManager[Pool]:
+        raise NotImplementedError("there is no pool: see run")
 
-
-class _Here(Pool):
-    def __init__(self, work: Callable[[Any], Any], known: dict[tuple[str, str], Any]) -> None:
-        self._work, self._known = work, known
-        self._done: list[tuple[int, Any]] = []
-
-    @property
-    def capacity(self) -> int:
-        return 1
-
-    @property
-    def in_progress(self) -> int:
-        return len(self._done)
-
-    def submit(self, place: int, item: Any) -> None:
-        key = f"{self._work.__module__}.{self._work.__qualname__}", _name_of(item)
-        if key not in self._known:
-            self._known[key] = self._work(item)
-        self._done.append((place, self._known[key]))
-
-    def finished(self) -> list[tuple[int, Any]]:
-        done, self._done = self._done, []
-        return done
+    def run(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        for index, item in enumerate(items):
+            key = work.__qualname__, _name_of(item)
+            if key not in self._known:
+                self._known[key] = work(item)
+            yield index, self._known[key]
 
 
 def _name_of(item: Any) -> str:

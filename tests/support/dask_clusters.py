@@ -6,9 +6,8 @@ import random
 import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -52,25 +51,16 @@ class Cluster:
         options = (self.address, "--nthreads", "1", kind, "--no-dashboard", *folder, *options)
         self.workers.append(self._start("worker", list(options), own))
 
-    def processes(self) -> list[psutil.Process]:
-        """Those that do the work: the workers, or the children of their nannies."""
+    def kill_one(self, rng: random.Random) -> None:
+        """Kill one of the processes that do the work, which a nanny has as children, if there is one."""
         found = []
         for worker in self.workers:
             with suppress(psutil.NoSuchProcess):
                 process = psutil.Process(worker.pid)
-                nannied = "--nanny" in process.cmdline()
-                found += [child for child in process.children() if "spawn_main" in " ".join(child.cmdline())] \
-                    if nannied else [process]  # fmt: skip
-        return found
-
-    def kill_one(self, rng: random.Random) -> bool:
-        """Kill one of those that do the work; whether there was one."""
-        with suppress(psutil.NoSuchProcess):
-            alive = [process for process in self.processes() if process.status() != psutil.STATUS_ZOMBIE]
-            if alive:
-                rng.choice(alive).send_signal(signal.SIGKILL)
-                return True
-        return False
+                children = [child for child in process.children() if "spawn_main" in " ".join(child.cmdline())]
+                found += children if "--nanny" in process.cmdline() else [process]
+        with suppress(psutil.NoSuchProcess, IndexError):
+            rng.choice(found).kill()
 
     def log(self, name: str) -> str:
         return "\n".join(path.read_text() for path in sorted(self._folder.glob(f"{name}*.log")))
@@ -110,36 +100,3 @@ def cluster(folder: Path, workers: int = 2, nanny: bool = True, **options: objec
         yield one
     finally:
         one.close()
-
-
-class Killer(threading.Thread):
-    """Kills workers at random moments while the body of `with` runs; `replace`: starts another, as a nanny does.
-
-    Every kill waits until `progress`, a number, has grown: else, on a slow machine, a worker that has only just begun
-    would die of the third kill in a row.
-    """
-
-    def __init__(
-        self, on: Cluster, seed: int, progress: Callable[[], int], replace: bool = False, most: int = 10**6
-    ) -> None:
-        super().__init__(daemon=True)
-        self._cluster, self._progress, self._replace, self._most = on, progress, replace, most
-        self._rng, self._end = random.Random(seed), threading.Event()
-        self.kills = 0
-
-    def run(self) -> None:
-        last = 0
-        while self.kills < self._most and not self._end.wait(self._rng.uniform(0, 0.5)):
-            now = self._progress()
-            if now > last and self._cluster.kill_one(self._rng):
-                last, self.kills = now, self.kills + 1
-                if self._replace:
-                    self._cluster.add(nanny=False)
-
-    def __enter__(self) -> "Killer":
-        self.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._end.set()
-        self.join()

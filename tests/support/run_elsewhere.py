@@ -29,14 +29,14 @@ class Shuffled(Executor):
     def workers(self) -> int:
         return self._inner.workers
 
-    def pool(self, work: Callable[[Any], Any], most: int) -> AbstractContextManager[Pool]:
-        return self._inner.pool(work, most)
+    def pool(self, most: int) -> AbstractContextManager[Pool]:
+        return self._inner.pool(most)
 
     def run(self, work: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[tuple[int, Any]]:
         order = list(range(len(items)))
         self._rng.shuffle(order)
-        for place, result in self._inner.run(work, [items[index] for index in order]):
-            yield order[place], result
+        for index, result in self._inner.run(work, [items[i] for i in order]):
+            yield order[index], result
 
 
 def executor(kind: str, count: int) -> Executor:

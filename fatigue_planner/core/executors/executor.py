@@ -4,12 +4,13 @@ What is written to disk is written by the process that asks, never by those that
 may be lost at any moment.
 """
 
+import pickle
 from abc import ABC, abstractmethod
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from fatigue_planner.core.executors.interrupts import Interrupts
 
@@ -18,47 +19,42 @@ R = TypeVar("R")
 
 # Linear algebra on several threads may sum in another order. What the libraries read when they are loaded:
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-# A piece of work that was alone with its worker when that died, so many times, is given up: it is what kills them.
-MAX_DEATHS = 3
 
 
 @dataclass(frozen=True)
 class Lost:
     """A piece of work that was given up; `reason` says why."""
 
-    reason: str = f"its worker died {MAX_DEATHS} times, perhaps for want of memory"
+    reason: str
 
 
-@dataclass(frozen=True)
-class Died:
-    """What became of a piece of work whose worker died; `alone`: the worker had no other that it could have died of."""
-
-    alone: bool
+class WorkerDiedError(Exception):
+    """The worker that did a piece of work died."""
 
 
 class Pool(ABC):
-    """Workers that do one kind of work as long as the pool is open."""
+    """Workers that do work as long as the pool is open."""
+
+    # Work is given up after so many deaths of workers that did nothing else, and why that is so.
+    deaths_alone: ClassVar[int]
+    given_up: ClassVar[str]
 
     @property
     @abstractmethod
     def capacity(self) -> int:
-        """How many pieces of work it takes at once to keep all workers busy; at least 1."""
-
-    @property
-    @abstractmethod
-    def in_progress(self) -> int:
-        """How many pieces of work are begun and not yet returned by `finished`."""
+        """How many pieces of work keep all workers busy; 0 while there is no worker."""
 
     @abstractmethod
-    def submit(self, place: int, item: Any) -> None:
-        """Begin a piece of work; `place` is its number."""
+    def submit(self, payload: bytes) -> Any:
+        """Begin a piece of work, as `perform` takes it; a future for `wait` and `result`."""
 
     @abstractmethod
-    def finished(self) -> list[tuple[int, Any]]:
-        """Wait until something is finished; the places and their results, or `Died`.
+    def wait(self, futures: Collection[Any]) -> Collection[Any]:
+        """Wait until some futures are done and return these; none if only `capacity` may have changed."""
 
-        Nothing at all means that `capacity` or `in_progress` may have changed. Raises what the work raised.
-        """
+    @abstractmethod
+    def result(self, future: Any) -> bytes:
+        """What `perform` returned. Raises WorkerDiedError, or what the work raised."""
 
 
 class Executor(ABC):
@@ -70,40 +66,45 @@ class Executor(ABC):
         """How many pieces of work are done at the same time."""
 
     @abstractmethod
-    def pool(self, work: Callable[[Any], Any], most: int) -> AbstractContextManager[Pool]:
-        """Open a pool of at most `most` workers that do `work`; what is still in progress at its end is dropped."""
+    def pool(self, most: int) -> AbstractContextManager[Pool]:
+        """Open a pool of at most `most` workers; what is still in progress at its end is dropped."""
 
     def run(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R | Lost]]:
-        """Do `work` on every item; yield (place of the item, result) as they come.
+        """Do `work` on every item; yield (index of the item, result) as they come.
 
-        A piece of work whose worker dies is done again; one of several that its worker may have died of is done
-        alone, after all others. What was alone at MAX_DEATHS deaths is `Lost`. After an interrupt no more work is
-        begun, the results of what is in progress are still yielded, and then it is raised (see `Interrupts`).
+        Work whose worker dies is done again, alone, after all others: only then is it known to be the culprit. After
+        `Pool.deaths_alone` deaths there it is `Lost`. After an interrupt no more work is begun, the results of what is
+        in progress are still yielded, and then it is raised (see `Interrupts`).
         """
         if not items:
             return
-        deaths: Counter[int] = Counter()
         ready, suspects = deque(range(len(items))), deque[int]()
-        pending: set[int] = set()
-        with Interrupts() as interrupts, self.pool(work, len(items)) as pool:
+        deaths: Counter[int] = Counter()
+        pending: dict[Any, int] = {}
+        with Interrupts() as interrupts, self.pool(len(items)) as pool:
             while pending or ready or suspects:
-                while not interrupts.noted and _may_begin(ready, suspects, pending, pool.capacity):
-                    place = (ready or suspects).popleft()
-                    pending.add(place)
-                    pool.submit(place, items[place])
-                if interrupts.noted and not pool.in_progress:
+                while not interrupts.noted and _may_begin(ready, suspects, len(pending), pool.capacity):
+                    index = (ready or suspects).popleft()
+                    pending[pool.submit(pickle.dumps((work, items[index])))] = index
+                if interrupts.noted and not (pending and pool.capacity):
                     break
-                for place, result in pool.finished():
-                    pending.discard(place)
-                    if not isinstance(result, Died):
-                        yield place, result
-                        continue
-                    deaths[place] += result.alone
-                    if deaths[place] == MAX_DEATHS:
-                        yield place, Lost()
-                    else:
-                        (ready if result.alone else suspects).append(place)
+                for future in sorted(pool.wait(pending), key=pending.__getitem__):
+                    index = pending.pop(future)
+                    try:
+                        yield index, pickle.loads(pool.result(future))
+                    except WorkerDiedError:
+                        deaths[index] += 1
+                        if deaths[index] > pool.deaths_alone:
+                            yield index, Lost(pool.given_up)
+                        else:
+                            suspects.append(index)
 
 
-def _may_begin(ready: deque[int], suspects: deque[int], pending: set[int], capacity: int) -> bool:
-    return len(pending) < capacity if ready else bool(suspects) and not pending
+def _may_begin(ready: deque[int], suspects: deque[int], pending: int, capacity: int) -> bool:
+    return pending < capacity if ready else bool(suspects) and not pending and capacity > 0
+
+
+def perform(payload: bytes) -> bytes:
+    """Do packed work, in a worker: from a pickled function and its argument to the pickled result."""
+    work, item = pickle.loads(payload)
+    return pickle.dumps(work(item))

@@ -3,15 +3,14 @@
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
-from typing import Any
 
-from fatigue_planner.core.executors.executor import ONE_THREAD, Died, Executor, Pool
+from fatigue_planner.core.executors.executor import ONE_THREAD, Executor, Pool, WorkerDiedError, perform
 
 
 def available_cores() -> int:
@@ -35,10 +34,10 @@ class LocalProcesses(Executor):
         return self._jobs
 
     @contextmanager
-    def pool(self, work: Callable[[Any], Any], most: int) -> Iterator["_ProcessPool"]:
+    def pool(self, most: int) -> Iterator["_ProcessPool"]:
         """See Executor.pool."""
         os.environ |= dict.fromkeys(ONE_THREAD, "1")
-        pool = _ProcessPool(work, min(self._jobs, most))
+        pool = _ProcessPool(min(self._jobs, most))
         try:
             yield pool
         finally:
@@ -46,11 +45,11 @@ class LocalProcesses(Executor):
 
 
 class _ProcessPool(Pool):
-    def __init__(self, work: Callable[[Any], Any], processes: int) -> None:
-        self._work = work
+    deaths_alone = 3
+    given_up = f"its worker died {deaths_alone} times while it did nothing else, perhaps for want of memory"
+
+    def __init__(self, processes: int) -> None:
         self._processes = processes
-        self._places: dict[Future[Any], int] = {}
-        self._started = False
         self._executor = self._new_executor()
 
     @property
@@ -58,35 +57,31 @@ class _ProcessPool(Pool):
         """One more than there are processes, so that none waits for this one."""
         return self._processes + 1
 
-    @property
-    def in_progress(self) -> int:
-        """See Pool.in_progress."""
-        return len(self._places)
-
-    def submit(self, place: int, item: Any) -> None:
+    def submit(self, payload: bytes) -> Future[bytes]:
         """See Pool.submit."""
         try:
-            # processes are started with the first piece of work, and inherit that, until they ignore SIGINT themselves
-            with nullcontext() if self._started else _without_interrupts():
-                future = self._executor.submit(self._work, item)
-            self._started = True
-        except BrokenProcessPool as error:  # a process died between two pieces of work; `finished` sees it
-            future = Future()
+            with _interrupts_held():
+                return self._executor.submit(perform, payload)
+        except BrokenProcessPool as error:  # a process died between two pieces of work
+            future: Future[bytes] = Future()
             future.set_exception(error)
-        self._places[future] = place
+            return future
 
-    def finished(self) -> list[tuple[int, Any]]:
-        """See Pool.finished. When a process dies, so do all: nobody knows which piece of work it was doing."""
-        done, _ = wait(self._places, return_when=FIRST_COMPLETED)
-        alone = len(self._places) == 1
+    def wait(self, futures: Collection[Future[bytes]]) -> Collection[Future[bytes]]:
+        """See Pool.wait. When a process dies, so do all: nobody knows which piece of work it was doing."""
+        done = wait(futures, return_when=FIRST_COMPLETED).done
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-            wait(self._places)
-            done = set(self._places)
+            done = wait(futures).done
             self._executor.shutdown()
-            self._started = False
             self._executor = self._new_executor()
-        places = [(self._places.pop(future), future) for future in done]
-        return [(place, _result(future, alone)) for place, future in sorted(places, key=lambda one: one[0])]
+        return done
+
+    def result(self, future: Future[bytes]) -> bytes:
+        """See Pool.result."""
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            raise WorkerDiedError from None
 
     def close(self) -> None:
         """Drop what has not begun and end the processes after what they are doing."""
@@ -96,16 +91,8 @@ class _ProcessPool(Pool):
         return ProcessPoolExecutor(self._processes, get_context("spawn"), _follow_the_parent)
 
 
-def _result(future: Future[Any], alone: bool) -> Any:
-    try:
-        return future.result()
-    except BrokenProcessPool:
-        return Died(alone)
-
-
 def _follow_the_parent() -> None:
-    """Leave signals to the parent, and do not outlive it if it is killed."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Do not outlive the parent if it is killed."""
     threading.Thread(target=_exit_after, args=[parent_process()], daemon=True).start()
 
 
@@ -116,13 +103,10 @@ def _exit_after(parent: BaseProcess | None) -> None:
 
 
 @contextmanager
-def _without_interrupts() -> Iterator[None]:
-    """Ignore SIGINT for a moment; only a main thread can, and only there it arrives."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _interrupts_held() -> Iterator[None]:
+    """Hold SIGINT back for a moment; a process that is started meanwhile inherits that and never sees one."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
