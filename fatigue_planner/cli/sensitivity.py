@@ -13,15 +13,16 @@ from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_RESULTS,
     CacheFolder,
+    Dask,
     Jobs,
     ResultsFolder,
     command_line,
+    executor_of,
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, talk, warn
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.executor import Executor
-from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
 from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.reactions.cache import ReactionCache
@@ -41,6 +42,7 @@ StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="The study file
 def sensitivity(
     study: StudyFile = DEFAULT_STUDY,
     jobs: Jobs = ALL_CORES,
+    dask: Dask = None,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
@@ -51,11 +53,10 @@ def sensitivity(
     and all at once (a space-filling design). Reactions in the cache are not simulated again; an interrupted run goes on
     where it stopped when it is started again, and ends in the same tables.
     """
-    settings = load_study(study)
+    settings, executor = load_study(study), executor_of(jobs, dask)
     points = design(settings)
     store = writable_folder(results / settings.settings.name / "parts")
     command = command_line("sensitivity", study, cache, results)
-    executor = LocalProcesses(jobs)
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
     trials = _run(reacted, store, executor)
     done, names = _publish(settings, reacted, trials, results / settings.settings.name, command)

@@ -43,11 +43,15 @@ class Outcome:
 
 
 class ReactionCache:
-    """The reactions in one folder; `damaged`: messages about files that were set aside."""
+    """The reactions in one folder.
+
+    damaged: messages about files that were set aside; lost: about reactions whose simulation killed its workers.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.damaged: list[str] = []
+        self.lost: list[str] = []
 
     def files(self) -> list[Path]:
         """All entries, in the order of their names."""
@@ -125,6 +129,7 @@ class ReactionCache:
         for place, made in executor.run(simulated, missing):
             request = missing[place]
             if isinstance(made, Lost):
+                self.lost.append(f"{request.name}: {made.reason}")
                 made = Made(Outcome(request.name, request.digest, "failed", False, failure=made.reason))  # noqa: PLW2901
             elif made.content is not None:
                 if not has_valid_checksum(made.content):

@@ -13,7 +13,8 @@ import pytest
 import yaml
 from conftest import PAPER, ROOT
 
-from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError, LostWorkError
+from fatigue_planner.core.executors.executor import Lost
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
@@ -222,6 +223,15 @@ def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, own_cache
     assert [one.profiles is None for one in reacted] == [False, True, True, True]
     assert "average_man/high/" in reacted[1].reason and reacted[3].reason == points[3].reason
     assert set(StudyGrid(reacted).of_point) == {"base"}
+
+
+def test_a_simulation_that_kills_its_workers_says_nothing_of_a_point(study: Study, tmp_path: Path) -> None:
+    class Deadly(LocalProcesses):
+        def run(self, work: Any, items: Any) -> Any:
+            return ((index, Lost("its worker died")) for index in range(len(items)))
+
+    with pytest.raises(LostWorkError, match=r"average_man/high/\S+: its worker died\n[\s\S]+the same command tries"):
+        react(design(study), ReactionCache(tmp_path / "cache"), Deadly(1), lambda _: None, "again")
 
 
 def test_reactions_and_cells_in_common_are_made_once(study: Study, own_cache: Path, tmp_path: Path) -> None:
@@ -437,8 +447,9 @@ def test_percent(share: float, text: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, own_cache: Path) -> None:
+def test_the_command_resumes_and_ends_in_the_same_bytes_also_over_dask(tmp_path: Path, own_cache: Path) -> None:
     from commands import fatplan, refused
+    from dask_clusters import cluster
 
     few = dict(STUDY["factors"])
     few["descents"] = few["descents"] | {"to": 6000}
@@ -446,8 +457,13 @@ def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, own_cach
     base.write_text(PAPER.read_text().replace("descents: 5000", "descents: 20"))
     path = write(tmp_path, {"factors": few, "base": "paper.yaml"})
     runs = {}
-    for name, jobs in (("one", 1), ("two", 2)):
-        done = fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name, "--jobs", jobs)
+    with cluster(tmp_path / "dask") as there:
+        ways = {"one": ["--jobs", 1], "two": ["--jobs", 2], "dask": ["--dask", there.address]}
+        results = {
+            name: fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name, *options)
+            for name, options in ways.items()
+        }
+    for name, done in results.items():
         assert done.returncode == 0, done.stderr
         assert (
             done.stdout.startswith("1. Of 4 combinations of all 3 settings") and "different cells: about" in done.stderr
@@ -464,9 +480,10 @@ def test_the_command_resumes_and_ends_in_the_same_bytes(tmp_path: Path, own_cach
             assert again.returncode == 0 and again.stdout == done.stdout
             assert runs[name] == {file: (folder / file).read_bytes() for file in runs[name]}
     page = Path("report.html")  # it names the folder in the command that makes it again
-    one, two = (str(tmp_path / name).encode() for name in ("one", "two"))
+    one = str(tmp_path / "one").encode()
     assert one in runs["one"][page]
-    assert runs["one"] | {page: runs["one"][page].replace(one, two)} == runs["two"]
+    for name in ("two", "dask"):
+        assert runs["one"] | {page: runs["one"][page].replace(one, str(tmp_path / name).encode())} == runs[name]
     files = {str(file) for file in runs["one"]}
     assert {
         "report.html",

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from fatigue_planner.core.errors import LostWorkError
 from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
@@ -51,10 +52,15 @@ def react(
 
     Reactions not in the cache are simulated and kept there. A point one of whose reactions fails has no profiles. One
     motion at a time is held in memory. `progress` hears of every reaction; `command` is what the user ran, for
-    messages. Raises OutputFolderError.
+    messages. Raises OutputFolderError; LostWorkError, when all others are kept, if some simulations kill their workers:
+    that says nothing about the points.
     """
     requests = unique_requests(points)
     outcomes = cache.complete(requests, executor, progress)
+    if cache.lost:
+        raise LostWorkError(
+            "\n".join(cache.lost) + "\nAll other reactions are kept; the same command tries these again."
+        )
     failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
     good = [request for request in requests if request.digest not in failures]
     needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
