@@ -87,6 +87,10 @@ class StaleTableError(FatplanError):
     """The table of trials was made with other settings than the experiment has now."""
 
 
+class WorkerError(FatplanError):
+    """A process that does the work cannot be started on this machine."""
+
+
 class LostWorkError(FatplanError):
     """Some work kills the process that does it."""
 

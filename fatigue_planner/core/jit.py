@@ -88,10 +88,12 @@ def _compiled(function: F, options: dict[str, bool], keep: bool | None = None) -
 def _by_name(dispatcher: Any) -> Any:
     """How a compiled function goes to another process: by name, so that it is found compiled there.
 
-    Numba would send its code, to be compiled again. What is no module's own (see `specialised`) is sent so.
+    Numba would send its code, to be compiled again. That is right for what no worker can import: functions of a script,
+    and those that belong to no module (see `specialised`).
     """
     name = dispatcher.__qualname__
-    own = getattr(sys.modules.get(dispatcher.__module__), name, None) is dispatcher
+    module = dispatcher.__module__
+    own = module != "__main__" and getattr(sys.modules.get(module), name, None) is dispatcher
     return name if own else dispatcher.__reduce__()
 
 

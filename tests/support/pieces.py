@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,6 +38,10 @@ def fail(number: int) -> int:
     if number == 3:
         raise FailedMotionError("the third")
     return number
+
+
+def complain(text: str) -> None:
+    print(text, file=sys.stderr)
 
 
 class Interrupt(BaseException):

@@ -12,6 +12,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
+import cloudpickle
+
 from fatigue_planner.core.executors.interrupts import Interrupts
 
 T = TypeVar("T")
@@ -85,7 +87,7 @@ class Executor(ABC):
             while pending or ready or suspects:
                 while not interrupts.noted and _may_begin(ready, suspects, len(pending), pool.capacity):
                     index = (ready or suspects).popleft()
-                    pending[pool.submit(pickle.dumps((work, items[index])))] = index
+                    pending[pool.submit(cloudpickle.dumps((work, items[index])))] = index
                 if interrupts.noted and not (pending and pool.capacity):
                     break
                 for future in sorted(pool.wait(pending), key=pending.__getitem__):
@@ -105,6 +107,9 @@ def _may_begin(ready: deque[int], suspects: deque[int], pending: int, capacity: 
 
 
 def perform(payload: bytes) -> bytes:
-    """Do packed work, in a worker: from a pickled function and its argument to the pickled result."""
+    """Do packed work, in a worker: from a pickled function and its argument to the pickled result.
+
+    Functions and classes of a script or a notebook are packed as code: no worker could import them.
+    """
     work, item = pickle.loads(payload)
-    return pickle.dumps(work(item))
+    return bytes(cloudpickle.dumps(work(item)))

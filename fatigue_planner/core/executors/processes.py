@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -9,8 +10,17 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
+from multiprocessing.synchronize import Event
+from tempfile import TemporaryFile
+from types import ModuleType
+from typing import IO
 
+from fatigue_planner.core.errors import WorkerError
 from fatigue_planner.core.executors.executor import ONE_THREAD, Executor, Pool, WorkerDiedError, perform
+
+# Linear algebra on one thread; no file of the working folder is taken for a library.
+_ENVIRONMENT = {**dict.fromkeys(ONE_THREAD, "1"), "PYTHONSAFEPATH": "1"}
+_STDERR = 2
 
 
 def available_cores() -> int:
@@ -35,21 +45,31 @@ class LocalProcesses(Executor):
 
     @contextmanager
     def pool(self, most: int) -> Iterator["_ProcessPool"]:
-        """See Executor.pool."""
-        os.environ |= dict.fromkeys(ONE_THREAD, "1")
-        pool = _ProcessPool(min(self._jobs, most))
+        """See Executor.pool. Raises WorkerError if no process can be started."""
+        before = os.environ.copy()
+        os.environ.update(_ENVIRONMENT)
         try:
-            yield pool
+            with TemporaryFile() as said:
+                pool = _ProcessPool(min(self._jobs, most), said)
+                try:
+                    yield pool
+                finally:
+                    pool.close()
         finally:
-            pool.close()
+            for name in _ENVIRONMENT:
+                os.environ.pop(name)
+            os.environ.update(before)
 
 
 class _ProcessPool(Pool):
     deaths_alone = 3
     given_up = f"its worker died {deaths_alone} times while it did nothing else, perhaps for want of memory"
 
-    def __init__(self, processes: int) -> None:
-        self._processes = processes
+    def __init__(self, processes: int, said: IO[bytes]) -> None:
+        self._processes, self._said = processes, said
+        self._context = get_context("spawn")
+        with _shared_memory():
+            self._began = self._context.Event()
         self._executor = self._new_executor()
 
     @property
@@ -58,14 +78,16 @@ class _ProcessPool(Pool):
         return self._processes + 1
 
     def submit(self, payload: bytes) -> Future[bytes]:
-        """See Pool.submit."""
+        """See Pool.submit. Raises WorkerError if no process can be started."""
+        future: Future[bytes] = Future()
         try:
-            with _interrupts_held():
-                return self._executor.submit(perform, payload)
-        except BrokenProcessPool as error:  # a process died between two pieces of work
-            future: Future[bytes] = Future()
-            future.set_exception(error)
-            return future
+            with _starting(self._said):
+                future = self._executor.submit(perform, payload)
+        except (BrokenProcessPool, BrokenPipeError) as error:  # a process died between two pieces of work, or at once
+            future.set_exception(BrokenProcessPool(str(error)))
+        except OSError as error:
+            raise WorkerError(f"a process that does the work cannot be started ({error.strerror}).") from error
+        return future
 
     def wait(self, futures: Collection[Future[bytes]]) -> Collection[Future[bytes]]:
         """See Pool.wait. When a process dies, so do all: nobody knows which piece of work it was doing."""
@@ -73,6 +95,9 @@ class _ProcessPool(Pool):
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
             done = wait(futures).done
             self._executor.shutdown()
+            if not self._began.is_set():
+                said = self._last_words().strip()
+                raise WorkerError(f"a process ended before its first piece of work; it said:\n{said or 'nothing'}")
             self._executor = self._new_executor()
         return done
 
@@ -84,15 +109,25 @@ class _ProcessPool(Pool):
             raise WorkerDiedError from None
 
     def close(self) -> None:
-        """Drop what has not begun and end the processes after what they are doing."""
+        """Drop what has not begun, end the processes after what they are doing, and show what they said."""
         self._executor.shutdown(wait=True, cancel_futures=True)
+        if said := self._last_words():
+            sys.stderr.write(said)
+
+    def _last_words(self) -> str:
+        self._said.seek(0)
+        said = self._said.read().decode(errors="replace")
+        self._said.truncate(0)
+        return said
 
     def _new_executor(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._processes, get_context("spawn"), _follow_the_parent)
+        with _shared_memory():
+            return ProcessPoolExecutor(self._processes, self._context, _begin, (self._began,))
 
 
-def _follow_the_parent() -> None:
-    """Do not outlive the parent if it is killed."""
+def _begin(began: Event) -> None:
+    """In a new process: say that it has begun, and do not outlive the parent if that is killed."""
+    began.set()
     threading.Thread(target=_exit_after, args=[parent_process()], daemon=True).start()
 
 
@@ -103,10 +138,31 @@ def _exit_after(parent: BaseProcess | None) -> None:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold SIGINT back for a moment; a process that is started meanwhile inherits that and never sees one."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+def _shared_memory() -> Iterator[None]:
     try:
         yield
+    except OSError as error:
+        raise WorkerError(
+            f"/dev/shm: cannot be written ({error.strerror}). Processes share their locks there. Mount it writable "
+            "(in a container as tmpfs), free some of it, or work on a cluster (--dask)."
+        ) from error
+
+
+@contextmanager
+def _starting(said: IO[bytes]) -> Iterator[None]:
+    """What a process that is started meanwhile inherits.
+
+    It never sees SIGINT, which is held back for the moment; what it prints on stderr is kept; and it does not import
+    the script that runs here, which would do its work once more: functions and classes of that go to it as code.
+    """
+    signals = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    main, stderr = sys.modules["__main__"], os.dup(_STDERR)
+    try:
+        sys.modules["__main__"] = ModuleType("__main__")
+        os.dup2(said.fileno(), _STDERR)
+        yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        os.dup2(stderr, _STDERR)
+        os.close(stderr)
+        sys.modules["__main__"] = main
+        signal.pthread_sigmask(signal.SIG_SETMASK, signals)
