@@ -6,9 +6,12 @@ anywhere starts a fresh one. A kernel that calls functions from outside the pack
 is kept in a folder that carries the digest of their code, too; such functions by themselves are not kept.
 """
 
+import atexit
 import copyreg
 import hashlib
 import os
+import shutil
+import stat
 import sys
 import tempfile
 import threading
@@ -29,19 +32,55 @@ from fatigue_planner.core.files import DIGEST_LENGTH, PACKAGE, digest_of, digest
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+# Variable of the environment with the folder that a program made for itself and for the processes it starts.
+PRIVATE_FOLDER = "FATPLAN_PRIVATE_KERNELS"
 # Where a function is kept is numba's setting for all threads: one makes functions at a time.
 _making = threading.RLock()
 
 
 @cache
 def cache_folder() -> Path:
-    """Folder of the compiled kernels of these sources: the user's cache, or a temporary one if it must be."""
+    """Folder of the compiled kernels of these sources: in the user's cache, else in the temporary folder.
+
+    Numba runs what lies there, so nobody else may be able to write there. If that is so in neither, it is a private
+    folder for this program and the processes it starts, and one line on stderr says so.
+    """
+    if private := os.environ.get(PRIVATE_FOLDER):
+        return Path(private)
     key = digest_of([digest_of_files(PACKAGE.rglob("*.py")), version("numba")])[:DIGEST_LENGTH]
-    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan" / key
+    reasons = []
+    for parent in (_user_cache, lambda: Path(tempfile.gettempdir()) / f"fatplan-{os.getuid()}"):
+        try:
+            return _closed_folder(parent(), key)
+        except (OSError, OutputFolderError) as error:
+            reasons.append(str(error).partition("\n")[0].rstrip("."))
+    made = Path(tempfile.mkdtemp(prefix="fatplan-"))
+    atexit.register(shutil.rmtree, made, ignore_errors=True)
+    os.environ[PRIVATE_FOLDER] = str(made)
+    print(f"Compiled kernels are kept in {made} only until this program ends: {'; '.join(reasons)}.", file=sys.stderr)
+    return made
+
+
+def _user_cache() -> Path:
+    if given := os.environ.get("XDG_CACHE_HOME"):
+        return Path(given) / "fatplan"
     try:
-        return writable_folder(folder)
-    except OutputFolderError:
-        return Path(tempfile.gettempdir()) / f"fatplan-{os.getuid()}" / key
+        return Path.home() / ".cache" / "fatplan"
+    except RuntimeError as error:
+        raise OutputFolderError("there is no home folder") from error
+
+
+def _closed_folder(parent: Path, name: str) -> Path:
+    """A folder in `parent` that nobody else can write to, nor to `parent`. Raises OSError, OutputFolderError."""
+    parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    folder = parent / name
+    folder.mkdir(mode=0o700, exist_ok=True)
+    for path in (parent, folder):
+        if {path.lstat().st_uid, path.stat().st_uid} != {os.getuid()}:
+            raise OutputFolderError(f"{path} is somebody else's")
+        if path.stat().st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise OutputFolderError(f"{path} can be written by others (chmod go-w)")
+    return writable_folder(folder)
 
 
 numba.config.CACHE_DIR = str(cache_folder())

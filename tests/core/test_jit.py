@@ -3,8 +3,10 @@
 import json
 import os
 import pickle
+import stat
 import subprocess
 import sys
+import tempfile
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -25,7 +27,7 @@ from small_problems import (
     two_workers,
 )
 
-from fatigue_planner.core.jit import _meaning
+from fatigue_planner.core.jit import PRIVATE_FOLDER, _meaning, cache_folder
 from fatigue_planner.planners.pomcp.backups import expect_nothing
 from fatigue_planner.planners.pomcp.leaf_values import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
@@ -195,6 +197,42 @@ def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
         own, helper, constant = map(float, values)
         expected = [constant] + [own] * 5 + [helper, constant, constant]
         assert json.loads(printed) == [7.0, *expected, *expected]
+
+
+def test_compiled_kernels_lie_in_a_folder_that_is_ours_and_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numba runs what it finds there: at home, else in the temporary folder, else in a private one for this run."""
+    folder = cache_folder.__wrapped__
+    home, temporary = tmp_path / "home", tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.delenv(PRIVATE_FOLDER, raising=False)
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    monkeypatch.setenv("HOME", str(home))
+    at_home, fallback = home / ".cache" / "fatplan", temporary / f"fatplan-{os.getuid()}"
+    assert folder().parent == at_home
+    assert [stat.S_IMODE(one.stat().st_mode) for one in (at_home, folder())] == [0o700] * 2
+    at_home.chmod(0o770)
+    assert folder().parent == fallback
+    at_home.chmod(0o700)
+    monkeypatch.setattr(os, "getuid", lambda: 54321)  # all these are somebody else's now
+    monkeypatch.setattr(Path, "home", no_home)
+    (temporary / "fatplan-54321").symlink_to(fallback)
+    assert capsys.readouterr().err == ""
+    private = folder()
+    assert private.parent == temporary and stat.S_IMODE(private.stat().st_mode) == 0o700
+    assert capsys.readouterr().err == (
+        f"Compiled kernels are kept in {private} only until this program ends: there is no home folder; "
+        f"{temporary}/fatplan-54321 is somebody else's.\n"
+    )
+    monkeypatch.undo()
+    monkeypatch.setenv(PRIVATE_FOLDER, str(private))
+    assert folder() == private  # in the processes that work
+
+
+def no_home() -> Path:
+    raise RuntimeError("Could not determine home directory.")
 
 
 ALONE = """
