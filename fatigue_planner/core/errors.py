@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from enum import IntEnum
 
-# So much of a value, and so many of a list, is shown in a message.
+# A message shows at most so many characters of a value, and so many items of a list.
 MAX_SHOWN_LENGTH = 60
 MAX_LISTED = 50
 
@@ -28,8 +28,10 @@ class FatplanError(Exception):
     def __str__(self) -> str:
         """The message; what it quotes of files and their names cannot steer a terminal: such characters are escaped."""
         return "".join(
-            one if one.isprintable() or one == "\n" else one.encode("unicode_escape").decode("ascii")
-            for one in super().__str__()
+            character
+            if character.isprintable() or character == "\n"
+            else character.encode("unicode_escape").decode("ascii")
+            for character in super().__str__()
         )
 
 
@@ -54,7 +56,7 @@ class MissingReactionsError(FatplanError):
 
 
 class ArchiveError(FatplanError):
-    """A file is not a bundle of reactions."""
+    """A file is not an archive of reactions."""
 
 
 class ReaderError(FatplanError):
@@ -92,13 +94,13 @@ class WorkerError(FatplanError):
 
 
 class LostWorkError(FatplanError):
-    """Some work kills the process that does it."""
+    """Some work kills the workers that do it."""
 
     exit_code = ExitCode.FAILED_PARTS
 
 
 class ClusterError(FatplanError):
-    """No cluster is to be had at an address, or its workers would give other results."""
+    """There is no cluster at an address, or its workers could give other results."""
 
 
 class LostClusterError(FatplanError):

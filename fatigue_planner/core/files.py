@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PACKAGE = Path(__file__).parents[1]
 DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file's name
-# A temporary file of a run that still goes on is younger: it is written in one go.
+# A temporary file of a run that is still going on is younger: it is written in one go.
 LEFT_BEHIND_AFTER_S = 3600
 _TEMPORARY_MARK = "fatplan-unfinished-"
 _TEMPORARY = re.compile(rf"\..*{_TEMPORARY_MARK}[0-9a-z_]+(\.\w+)?")
@@ -74,7 +74,7 @@ def _sync_folder(folder: Path) -> None:
 
 
 def left_behind(folder: Path) -> list[Path]:
-    """Temporary files below a folder that a killed run has left, those of runs that still go on excepted."""
+    """Temporary files below a folder that a killed run has left, except those of runs that are still going on."""
     old = time.time() - LEFT_BEHIND_AFTER_S
     found = []
     for path in folder.rglob(f".*{_TEMPORARY_MARK}*"):
@@ -99,9 +99,9 @@ def remove(path: Path) -> None:
 
 
 def set_aside(path: Path) -> Path:
-    """Rename a damaged file so that it is read no more; returns its new path, never one in use.
+    """Rename a damaged file so that it is no longer read; its new path, which no other file had.
 
-    Raises OutputFolderError if it cannot be renamed.
+    Raises OutputFolderError if that cannot be done.
     """
     number = 1
     while (aside := path.with_suffix(f".damaged-{number}")).exists():

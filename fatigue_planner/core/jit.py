@@ -3,7 +3,7 @@
 Numba's own cache looks at one source file only and misses a changed callee in another. Here the
 cache folder carries the digest of every source of the package and of numba's version, so a change
 anywhere starts a fresh one. A kernel that calls functions from outside the package (see `specialised`)
-is kept in a folder that carries the digest of their code, too; such functions by themselves are not kept.
+is kept in a folder that carries the digest of their code, too; such functions themselves are not kept.
 """
 
 import atexit
@@ -34,7 +34,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 # Variable of the environment with the folder that a program made for itself and for the processes it starts.
 PRIVATE_FOLDER = "FATPLAN_PRIVATE_KERNELS"
-# Where a function is kept is numba's setting for all threads: one makes functions at a time.
+# Numba's cache folder is a setting of all threads, so only one of them at a time compiles.
 _making = threading.RLock()
 
 
@@ -116,7 +116,7 @@ Compiler = Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 def _compiled(function: F, options: dict[str, bool], keep: bool | None = None) -> F:
-    """Machine code, kept on disk or not; by itself only the package's own, whose changes the folder's name tells."""
+    """Machine code, kept on disk or not; by default only the package's own, whose changes change the folder's name."""
     if keep is None:
         keep = Path(function.__code__.co_filename).is_relative_to(PACKAGE)
     with _making:
@@ -173,10 +173,10 @@ def _specialised(
 def _meaning(value: object, inside: tuple[object, ...] = (), names: Sequence[str] = ()) -> object:
     """What a compiled function's behaviour depends on: its code and, in turn, all the globals it names.
 
-    inside: the functions and modules on the way here; names: those that the function may look up in a module.
+    inside: the functions and modules that led here; names: those that the function may look up in a module.
     """
     function = getattr(value, "py_func", value)
-    if any(function is one for one in inside):
+    if any(function is outer for outer in inside):
         return getattr(function, "__name__", "")
     if isinstance(function, FunctionType):
         known, names = function.__globals__, _names(function.__code__)

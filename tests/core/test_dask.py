@@ -125,7 +125,7 @@ def test_where_no_scheduler_is_there_is_one_message() -> None:
 def test_workers_that_could_give_other_results_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """Nobody; then one without fatplan, one with another, one with threads, and at last one that is right."""
+    """No worker; then one without fatplan, one with another, one with several threads, and one that is right."""
     monkeypatch.setattr(dask, "LOOK_S", 0.2)
     with cluster(tmp_path, workers=0) as it:
         executor = DaskCluster(it.address)
@@ -213,7 +213,7 @@ def test_a_scheduler_that_is_lost_is_one_error(
 def test_a_benchmark_whose_workers_are_killed_ends_in_the_same_bytes(
     cells: list[Cell], tmp_path: Path, nanny: bool, threads: int, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    """At least 10 kills of each kind of cluster, at most one in every third part; every part is kept once."""
+    """At least 10 kills of each kind of cluster, at most one in three parts."""
     rng, kills = random.Random(0), 0
     expected = tables(cells, tmp_path / "here", LocalProcesses(2))
     with cluster(tmp_path / "dask", workers=0) as it:
@@ -239,7 +239,7 @@ def test_a_benchmark_whose_workers_are_killed_ends_in_the_same_bytes(
 
 @pytest.mark.slow
 def test_only_the_culprit_is_given_up_and_the_rest_is_kept(tmp_path: Path) -> None:
-    """Dask gives up whatever was in company of the culprit, too, on two threads of a worker: that is done alone."""
+    """On two threads of a worker Dask also gives up what was in the culprit's company; that is then done alone."""
     job = Deadly(tmp_path, 7)
     environment = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
     with cluster(tmp_path / "dask", workers=0, environment=environment) as it:

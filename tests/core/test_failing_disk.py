@@ -58,7 +58,7 @@ class Remembering(Executor):
 
 
 def _name_of(item: Any) -> str:
-    """What tells pieces of work apart: a reaction's or job's digest, with the trials; a bound's place."""
+    """What tells items apart: a reaction's or job's digest, with the trials; a bound's condition and length."""
     if isinstance(item, tuple):
         job, rest = item
         return f"{job.digest()} {rest}" if hasattr(job, "digest") else str(job)
@@ -133,18 +133,18 @@ def check(
 ) -> None:
     """For every call of a run, or every so many: let it fail, look at what is there, and run once more."""
     executor, calls, expected = undisturbed
-    for place, name in list(enumerate(calls))[::step]:
-        own = folder / str(place)
+    for index, name in list(enumerate(calls))[::step]:
+        own = folder / str(index)
         own.mkdir()
         try:
-            with failing(FailingDisk(own, place, number, for_good)) as disk:
+            with failing(FailingDisk(own, index, number, for_good)) as disk:
                 one_run(small, own, executor)
         except OutputFolderError as error:
             message = str(error)
             assert error.exit_code == ExitCode.BAD_INPUT and "\n" not in message and str(own) in message
             assert any(reason in message for reason in ("No space left", "Input/output error")), message
         else:
-            assert name == "unlink", f"the {name} at {place} failed, and nobody heard of it"
+            assert name == "unlink", f"call {index}, {name}, failed without a message"
         assert disk.failed == name
         assert_whole(own)
         there = hashes(own)

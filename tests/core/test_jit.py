@@ -212,7 +212,7 @@ def test_compiled_kernels_lie_in_a_folder_that_is_ours_and_closed(
     monkeypatch.setenv("HOME", str(home))
     at_home, fallback = home / ".cache" / "fatplan", temporary / f"fatplan-{os.getuid()}"
     assert folder().parent == at_home
-    assert [stat.S_IMODE(one.stat().st_mode) for one in (at_home, folder())] == [0o700] * 2
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (at_home, folder())] == [0o700] * 2
     at_home.chmod(0o770)
     assert folder().parent == fallback
     at_home.chmod(0o700)

@@ -1,4 +1,4 @@
-"""Threads of one process, as a Dask worker has them, do not get into each other's way."""
+"""Threads of one process, as a Dask worker has them, do not disturb each other."""
 
 import sys
 import threading
@@ -31,11 +31,11 @@ def in_threads(count: int, do: Callable[[int], object]) -> list[object]:
     """What each of some threads returns that begin at the same time."""
     gate, found = threading.Barrier(count), [None] * count
 
-    def one(number: int) -> None:
+    def wait_and_do(number: int) -> None:
         gate.wait()
         found[number] = do(number)
 
-    threads = [threading.Thread(target=one, args=[number]) for number in range(count)]
+    threads = [threading.Thread(target=wait_and_do, args=[number]) for number in range(count)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -47,7 +47,7 @@ def test_kernels_made_in_threads_are_the_same_and_kept_in_one_place(hasty: None)
     before = numba.config.CACHE_DIR
     made = in_threads(8, lambda number: [specialised(problem_bound, bound=part) for part in PARTS])
     assert before == numba.config.CACHE_DIR
-    assert all(one == made[0] for one in made)
+    assert all(kernels == made[0] for kernels in made)
     assert {Path(before)} == {Path(kernel._cache.cache_path).parents[1] for kernel in made[0]}
 
 

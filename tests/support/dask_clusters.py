@@ -93,10 +93,10 @@ class Cluster:
 def cluster(folder: Path, workers: int = 2, nanny: bool = True, **options: object) -> Iterator[Cluster]:
     """A scheduler with some workers of one thread."""
     folder.mkdir(parents=True, exist_ok=True)
-    one = Cluster(folder, **options)  # type: ignore[arg-type]
+    it = Cluster(folder, **options)  # type: ignore[arg-type]
     try:
         for _ in range(workers):
-            one.add(nanny=nanny)
-        yield one
+            it.add(nanny=nanny)
+        yield it
     finally:
-        one.close()
+        it.close()

@@ -38,8 +38,8 @@ _LOGGERS = ("distributed", "distributed.client", "tornado", "tornado.application
 class DaskCluster(Executor):
     """The workers that the scheduler at an address has, now and later.
 
-    Raises ClusterError if it is not an address. `run` raises ClusterError if no scheduler answers there, if fatplan or
-    a library is another one on a worker, or if no worker comes; LostClusterError if the scheduler is gone.
+    Raises ClusterError if it is not an address. `run` raises ClusterError if no scheduler answers there, if a
+    worker has another fatplan or other libraries, or if no worker comes; LostClusterError if the scheduler is lost.
     """
 
     def __init__(self, address: str) -> None:
@@ -85,11 +85,11 @@ class _DaskPool(Pool):
     def __init__(self, client: Client, address: str) -> None:
         self._client, self._address = client, address
         self._threads, self._looked, self._had_workers, self._said = 0, 0.0, time.monotonic(), False
-        there = self._ask(client.scheduler.versions)["packages"]
+        found = self._ask(client.scheduler.versions)["packages"]
         for name in ("dask", "distributed"):
-            if there.get(name) != version(name):
+            if found.get(name) != version(name):
                 raise ClusterError(
-                    f"{address}: the scheduler has {name} {there.get(name)} instead of {version(name)}. Install the "
+                    f"{address}: the scheduler has {name} {found.get(name)} instead of {version(name)}. Install the "
                     "same on all machines (constraints.txt)."
                 )
         self._look()
@@ -97,7 +97,7 @@ class _DaskPool(Pool):
 
     @property
     def capacity(self) -> int:
-        """The cluster's threads: of two pieces of work on one thread nobody could say which of them it died of."""
+        """The threads of all workers: what waits for a thread would count as a death of its worker, too."""
         return self._threads
 
     def submit(self, payload: bytes) -> Future:
@@ -136,7 +136,7 @@ class _DaskPool(Pool):
             ) from error
 
     def _look(self) -> None:
-        """See how many threads there are. Raises ClusterError if there have been none for PATIENCE_S."""
+        """Ask how many threads the workers have. Raises ClusterError if there has been no worker for PATIENCE_S."""
         self._threads = sum(self._ask(self._client.scheduler.ncores, workers=None).values())
         self._looked = time.monotonic()
         alone_s = self._looked - self._had_workers
@@ -182,8 +182,8 @@ class _RemoteCall:
     """Packed work (see `Pool.submit`) that is done where it is unpickled, which gives its packed result.
 
     Dask's scheduler unpickles functions, so it would need this package. It is sent `pickle.loads` and a pickled
-    _RemoteCall instead. Unpickling raises ClusterError if fatplan, Python or a library is another one there, or if
-    linear algebra uses several threads there.
+    _RemoteCall instead. Unpickling raises ClusterError if fatplan, Python or a library is not the same there, or
+    if linear algebra may use several threads.
     """
 
     def __init__(self, payload: bytes) -> None:

@@ -37,7 +37,7 @@ class WorkerDiedError(Exception):
 class Pool(ABC):
     """Workers that do work as long as the pool is open."""
 
-    # Work is given up after so many deaths of workers that did nothing else, and why that is so.
+    # Work is given up after so many deaths of workers that did nothing else, with this reason.
     deaths_alone: ClassVar[int]
     given_up: ClassVar[str]
 
@@ -74,9 +74,9 @@ class Executor(ABC):
     def run(self, work: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R | Lost]]:
         """Do `work` on every item; yield (index of the item, result) as they come.
 
-        Work whose worker dies is done again, alone, after all others: only then is it known to be the culprit. After
-        `Pool.deaths_alone` deaths there it is `Lost`. After an interrupt no more work is begun, the results of what is
-        in progress are still yielded, and then it is raised (see `Interrupts`).
+        Work whose worker dies is done again after everything else, alone, which shows whether it is the culprit. After
+        `Pool.deaths_alone` more deaths it is `Lost`. After an interrupt no more work is begun, the results of what is
+        in progress are still yielded, and then the interrupt is raised (see `Interrupts`).
         """
         if not items:
             return

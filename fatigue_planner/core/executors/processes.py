@@ -74,7 +74,7 @@ class _ProcessPool(Pool):
 
     @property
     def capacity(self) -> int:
-        """One more than there are processes, so that none waits for this one."""
+        """One more than there are processes, so that none of them waits for work."""
         return self._processes + 1
 
     def submit(self, payload: bytes) -> Future[bytes]:
@@ -90,7 +90,7 @@ class _ProcessPool(Pool):
         return future
 
     def wait(self, futures: Collection[Future[bytes]]) -> Collection[Future[bytes]]:
-        """See Pool.wait. When a process dies, so do all: nobody knows which piece of work it was doing."""
+        """See Pool.wait. When a process dies, so do all: it is not known which piece of work it was doing."""
         done = wait(futures, return_when=FIRST_COMPLETED).done
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
             done = wait(futures).done
@@ -109,7 +109,7 @@ class _ProcessPool(Pool):
             raise WorkerDiedError from None
 
     def close(self) -> None:
-        """Drop what has not begun, end the processes after what they are doing, and show what they said."""
+        """Drop what has not begun, wait for the rest, end the processes and show what they printed on stderr."""
         self._executor.shutdown(wait=True, cancel_futures=True)
         if said := self._last_words():
             sys.stderr.write(said)
@@ -152,8 +152,8 @@ def _shared_memory() -> Iterator[None]:
 def _starting(said: IO[bytes]) -> Iterator[None]:
     """What a process that is started meanwhile inherits.
 
-    It never sees SIGINT, which is held back for the moment; what it prints on stderr is kept; and it does not import
-    the script that runs here, which would do its work once more: functions and classes of that go to it as code.
+    SIGINT is blocked, so it never sees one. What it prints on stderr goes to the file `said`. It does not import the
+    script that runs here, which would do everything once more: `perform` gets the script's functions as code.
     """
     signals = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     main, stderr = sys.modules["__main__"], os.dup(_STDERR)
