@@ -34,11 +34,8 @@ class LazyCommand(TyperCommand):
         return command
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        """The context of the real command; the outermost one's `obj` is told that it is loaded."""
-        command = self.load()
-        if parent is not None and parent.obj is not None:
-            parent.obj()
-        return command.make_context(info_name, args, parent, **extra)
+        """The context of the real command."""
+        return self.load().make_context(info_name, args, parent, **extra)
 
 
 class LazyGroup(TyperGroup):

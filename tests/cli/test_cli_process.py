@@ -50,8 +50,8 @@ def test_every_commands_help_names_the_exit_codes_and_its_summary_is_its_own() -
 def test_what_needs_no_work_loads_nothing_heavy(words: tuple[str, ...]) -> None:
     code = f"""
 import sys
-from fatigue_planner.cli.run_command import outcome
-outcome({list(words)!r})
+from fatigue_planner.cli.entry import execute
+execute({list(words)!r})
 print(sorted(set(sys.modules) & {HEAVY!r}), file=sys.stderr)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -193,7 +193,7 @@ def test_a_fault_of_the_program_is_told_with_where_it_is_written_down(tmp_path: 
 
 
 def test_what_is_kept_stands_with_whatever_ends_the_work(tmp_path: Path) -> None:
-    from fatigue_planner.cli.failure import kept_text
+    from fatigue_planner.cli.entry import kept_text
     from fatigue_planner.cli.progress import progress
 
     with pytest.raises(ZeroDivisionError) as caught, progress("Working", 3, kept=("runs", tmp_path)) as counter:

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from fatigue_planner.core.executors.interrupts import Interrupts
+from fatigue_planner.core.interrupts import Interrupts
 
 T = TypeVar("T")
 R = TypeVar("R")
