@@ -7,20 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.json_output import JudgedClaims
-from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
-from fatigue_planner.cli.output import Json, present
-from fatigue_planner.core.files import digest_of_files, publish_csv
-from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.benchmark.results import load_results
-from fatigue_planner.study.benchmark.tables import TRIALS_FILE
-from fatigue_planner.study.claims.answers import VERDICTS
-from fatigue_planner.study.claims.evaluation import evaluate
-from fatigue_planner.study.claims.loader import load_claims
-from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
-from fatigue_planner.study.claims.text import claims_text
-from fatigue_planner.study.statistics.pairing import records
+from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, Json, ResultsFolder, command_line, present
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 
@@ -35,6 +22,18 @@ def claims(
     Needs the results of `fatplan benchmark` of the experiment the file names, its whole grid; with those of
     `--bound` it also says how much any policy could win. Beside the verdict stands that of the paper's own test.
     """
+    from fatigue_planner.core.files import digest_of_files, publish_csv
+    from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+    from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
+    from fatigue_planner.study.benchmark.results import load_results
+    from fatigue_planner.study.benchmark.tables import TRIALS_FILE
+    from fatigue_planner.study.claims.answers import VERDICTS
+    from fatigue_planner.study.claims.evaluation import evaluate
+    from fatigue_planner.study.claims.loader import load_claims
+    from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
+    from fatigue_planner.study.claims.text import claims_text
+    from fatigue_planner.study.statistics.pairing import records
+
     loaded = load_claims(claims)
     experiment = loaded.experiment
     folder = results / experiment.name
@@ -51,13 +50,13 @@ def claims(
     }
     hashes = publish_manifest(folder, "claims", configuration, [folder / CLAIMS_FILE, folder / DETAIL_FILE])
     counts = Counter(found.claims["verdict"])
-    document = JudgedClaims(
-        folder=folder,
-        files=hashes,
-        counts={verdict: counts[verdict] for verdict in VERDICTS},
-        claims=records(found.claims),
-        bounds=tables.bounds is not None,
-    )
+    document = {
+        "folder": folder,
+        "files": hashes,
+        "counts": {verdict: counts[verdict] for verdict in VERDICTS},
+        "claims": records(found.claims),
+        "bounds": tables.bounds is not None,
+    }
     lines = [claims_text(found.claims, shutil.get_terminal_size().columns)]
     if tables.bounds is None:
         lines.append(f"How much any policy could win is not known; `{command} --bound` computes it.")

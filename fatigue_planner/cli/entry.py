@@ -43,10 +43,10 @@ def execute(arguments: Sequence[str]) -> int:
     Raises BrokenPipeError if whoever reads the output has stopped, as in `fatplan ... | head -1`, and what is no
     Exception.
     """
-    import typer  # noqa: PLC0415 - after the signals
-    from typer.exceptions import TyperException  # noqa: PLC0415
+    import typer  # after the signals, as all that takes time
+    from typer.exceptions import TyperException
 
-    from fatigue_planner.cli.main import app  # noqa: PLC0415
+    from fatigue_planner.cli.main import app
 
     try:
         command = typer.main.get_command(app)
@@ -117,8 +117,8 @@ def _disk_fault(arguments: Sequence[str], error: OSError) -> int:
 
 def _internal_error(arguments: Sequence[str], error: Exception) -> int:
     """Say that this is nobody's fault but the program's; its details go into a file."""
-    import tempfile  # noqa: PLC0415 - rarely needed
-    import traceback  # noqa: PLC0415
+    import tempfile
+    import traceback
 
     details = "".join(traceback.format_exception(error))
     what = " ".join(f"{type(error).__name__}: {error}".split())

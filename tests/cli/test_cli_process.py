@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 from commands import fatplan, finished, process, small_files
 from conftest import PAPER
 
@@ -24,26 +25,21 @@ ESCAPE = "\x1b"
 COLOUR = re.compile(r"\x1b\[[0-9;]*(?:3[0-8]|4[0-8]|9[0-7]|10[0-7])[0-9;]*m")
 
 
-def commands() -> list[tuple[str, ...]]:
-    """All commands of the program, by their words."""
-    import typer
-
+def test_every_commands_help_names_the_exit_codes() -> None:
     root = typer.main.get_command(app)
-    found: list[tuple[str, ...]] = []
-    for name, lazy in root.commands.items():
-        real = lazy.load()
-        assert lazy.help == (real.help or "").split("\n\n")[0].replace("\n", " "), name
-        found += [(name, below) for below in getattr(real, "commands", {})] or [(name,)]
-    return found
-
-
-def test_every_commands_help_names_the_exit_codes_and_its_summary_is_its_own() -> None:
-    found = commands()
-    assert {("simulate",), ("cache", "verify"), ("human", "export"), ("schema",)} <= set(found)
-    for words in ((), ("human",), ("cache",), *found):
+    commands: list[tuple[str, ...]] = [(), *((name,) for name, command in root.commands.items() if not command.hidden)]
+    commands += [(group, name) for group in ("human", "cache") for name in root.commands[group].commands]
+    assert len(commands) == 1 + 12 + 3 + 6
+    for words in commands:
         done = fatplan(*words, "--help")
         assert done.returncode == 0 and "Exit codes: 0 done; 1 internal error;" in " ".join(done.stdout.split()), words
         assert ESCAPE not in done.stdout
+
+
+def test_a_command_of_former_times_names_its_successor() -> None:
+    for more in ((), (PAPER, "--results", "x"), ("--help",)):
+        assert fatplan("figures", *more).stderr == "Error: `fatplan figures` is now `fatplan report --figures-only`.\n"
+        assert fatplan("figures", *more).returncode == ExitCode.BAD_INPUT
 
 
 @pytest.mark.parametrize("words", [("--version",), ("--help",), ("nonsense",), ("validate", "none.yaml")])

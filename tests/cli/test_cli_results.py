@@ -12,7 +12,7 @@ from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
 from test_cli_json import document
 
-from fatigue_planner.cli.json_output import BenchmarkRun, FilesOf, JudgedClaims, SideBySide
+FIGURES = ["report", "--figures-only"]
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +21,8 @@ def results(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     folder = tmp_path_factory.mktemp("results")
     small = folder / "paper.yaml"
     small.write_text(PAPER.read_text().replace("trials: 100", "trials: 3").replace("descents: 5000", "descents: 30"))
-    for command in ("benchmark", "figures"):
-        done = fatplan(command, small, "--cache", cache_folder, "--results", folder)
+    for command in (["benchmark"], FIGURES):
+        done = fatplan(*command, small, "--cache", cache_folder, "--results", folder)
         assert done.returncode == 0, done.stderr
     return folder / "paper"
 
@@ -65,7 +65,7 @@ def test_figures_stand_beside_their_data(results: Path) -> None:
 def test_rebuilding_figures_changes_no_byte(results: Path, cache_folder: Path) -> None:
     before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     experiment = results.parent / "paper.yaml"
-    assert fatplan("figures", experiment, "--cache", cache_folder, "--results", results.parent).returncode == 0
+    assert fatplan(*FIGURES, experiment, "--cache", cache_folder, "--results", results.parent).returncode == 0
     after = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     assert before == after
 
@@ -88,14 +88,14 @@ def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cach
     folders = ["--cache", cache_folder, "--results", tmp_path]
     for old, new, key in (("discount: 0.95", "discount: 0.9", "discount"), ("greedy: {", "keen: {", "benchmark")):
         experiment.write_text(text.replace(old, new))
-        message = refused(2, "figures", experiment, *folders)
+        message = refused(2, *FIGURES, experiment, *folders)
         assert f"was made with other settings ({key})" in message and "Run `fatplan benchmark " in message
     experiment.write_text(text)
     table = tmp_path / "paper" / "trials.csv"
     table.write_text(table.read_text().replace("-0.0", "-0.1", 1))
-    assert "is not what was written" in refused(4, "figures", experiment, *folders)
+    assert "is not what was written" in refused(4, *FIGURES, experiment, *folders)
     table.write_text(table.read_text().replace("-0.1", "-0.o", 1))
-    assert "is not one of our tables" in refused(4, "figures", experiment, *folders)
+    assert "is not one of our tables" in refused(4, *FIGURES, experiment, *folders)
 
 
 def test_claims_are_judged_from_the_published_tables(results: Path) -> None:
@@ -202,30 +202,30 @@ def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: 
 def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
     """Every document has the hashes of what lies in the folder, or the rows of its tables."""
     where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
-    ran = document(BenchmarkRun, "benchmark", *where)
+    ran = document("benchmark", *where)
     assert ran["runs"] == len(pd.read_csv(results / "trials.csv")) and ran["regret"] is ran["bounds"] is None
     table = pd.read_csv(results / "comparison.csv")
     assert [row["mean"] for row in ran["comparison"]] == list(table["mean"])
     assert [row["p_value"] is None for row in ran["comparison"]] == list(table["p_value"].isna())
-    drawn = document(FilesOf, "figures", *where)
+    drawn = document("report", *where, "--figures-only")
     claims = results.parent / "paper_claims.yaml"
     shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
-    judged = document(JudgedClaims, "claims", claims, "--results", results.parent)
+    judged = document("claims", claims, "--results", results.parent)
     assert sum(judged["counts"].values()) == len(judged["claims"]) >= 22 and not judged["bounds"]
     assert judged["claims"][0]["quote"]
     for found in (ran, drawn, judged):
         assert found["files"]
         for name, digest in found["files"].items():
             assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
-    both = document(SideBySide, "compare", results, results)
+    both = document("compare", results, results)
     assert len(both["contrasts"]) == 63 and both["same_worlds"] and both["settings"] == {}
 
 
-@pytest.mark.parametrize("command", ["figures", pytest.param("report", marks=pytest.mark.slow)])
-def test_a_full_disk_leaves_what_was_there(results: Path, cache_folder: Path, command: str) -> None:
+@pytest.mark.parametrize("command", [FIGURES, pytest.param(["report"], marks=pytest.mark.slow)], ids="-".join)
+def test_a_full_disk_leaves_what_was_there(results: Path, cache_folder: Path, command: list[str]) -> None:
     before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
-    done = finished(command, *where, begin=small_files)
+    done = finished(*command, *where, begin=small_files)
     assert done.returncode == 2 and done.stdout == "", done.stderr
     assert done.stderr.count("Error: ") == len(done.stderr.splitlines()) == 1 and "File too large" in done.stderr
     assert {name: (results / name).read_bytes() for name in before} == before

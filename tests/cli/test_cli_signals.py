@@ -152,14 +152,14 @@ def test_twice_is_at_once(cache_folder: Path, tmp_path: Path) -> None:
 LOST = """
 import os, signal, sys, time
 from fatigue_planner.cli.entry import run
-import fatigue_planner.cli.validate as validate
+import fatigue_planner.core.yaml_reader as yaml_reader
 class Destructor:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
 def work(*_):
     Destructor()
     time.sleep(30)
-validate.read_yaml = work
+yaml_reader.read_yaml = work
 run()
 """
 
