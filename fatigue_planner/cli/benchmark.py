@@ -1,6 +1,7 @@
 """`fatplan benchmark`: the grid of conditions, numbers of cycles and policies."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -12,11 +13,17 @@ from fatigue_planner.cli.options import (
     DEFAULT_EXPERIMENT,
     DEFAULT_RESULTS,
     CacheFolder,
+    Conditions,
+    Cycles,
     Dask,
+    Descents,
     ExperimentFile,
     Jobs,
     Json,
+    Policies,
     ResultsFolder,
+    Seed,
+    Trials,
     command_line,
     executor_of,
     present,
@@ -31,9 +38,9 @@ if TYPE_CHECKING:
     from fatigue_planner.planners.settings import ReferenceSettings
     from fatigue_planner.study.benchmark.cell import Cell
     from fatigue_planner.study.benchmark.job import Job
+    from fatigue_planner.study.benchmark.selection import Selection
     from fatigue_planner.study.benchmark.trial import TrialResult
 
-MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"
 COMPARISON_FILE = "comparison.csv"
 
@@ -42,12 +49,12 @@ T = TypeVar("T")
 
 def benchmark(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cycles: Annotated[list[int] | None, typer.Option(help="Only this number of cycles (repeatable).")] = None,
-    conditions: Annotated[list[str] | None, typer.Option(help="Only this condition (repeatable).")] = None,
-    policies: Annotated[list[str] | None, typer.Option(help="Only this policy (repeatable).")] = None,
-    trials: Annotated[int | None, typer.Option(min=1, max=MOST, help="Trials per cell instead of the file's.")] = None,
-    descents: Annotated[int | None, typer.Option(min=1, max=MOST, help="Descents of every POMCP.")] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed instead of the experiment's.")] = None,
+    cycles: Cycles = None,
+    conditions: Conditions = None,
+    policies: Policies = None,
+    trials: Trials = None,
+    descents: Descents = None,
+    seed: Seed = None,
     regret: Annotated[
         bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
     ] = False,
@@ -70,12 +77,13 @@ def benchmark(
     changed grid gets a results folder of its own, named after the changes. An interrupted run goes on
     where it stopped when it is started again, and ends in the same table.
     """
-    from fatigue_planner.core.files import writable_folder
+    from fatigue_planner.core.files import publish_bytes, writable_folder
     from fatigue_planner.experiment.build import load_cycle_profiles
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 
-    settings = load_experiment(experiment)
+    settings, content = load_experiment(experiment), experiment.read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = selected(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
@@ -92,13 +100,15 @@ def benchmark(
     done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
     losses = _measure_regret(grid_cells, done, judges, store, executor) if regret else None
     bounds = _run_bounds(grid_cells, results / settings.name / "bounds", executor) if bound else None
-    document, text = _publish(folder, grid, grid_cells, done, judges, losses, bounds)
+    publish_bytes(folder / EXPERIMENT_FILE, content)
+    document, text = _publish(folder, grid, wanted, grid_cells, done, judges, losses, bounds)
     present(document, text, as_json)
 
 
 def _publish(
     folder: Path,
     experiment: "Experiment",
+    selection: "Selection",
     grid: "Sequence[Cell]",
     done: "Sequence[dict[int, TrialResult]]",
     judges: "Mapping[str, ReferenceSettings]",
@@ -113,6 +123,7 @@ def _publish(
     from fatigue_planner.reactions.reaction import digests
     from fatigue_planner.study.benchmark import tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds
+    from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.statistics.comparison import comparison_table, summary_text
     from fatigue_planner.study.statistics.contrast_text import contrast_text
     from fatigue_planner.study.statistics.contrasts import CONTRASTS_FILE, contrasts
@@ -146,10 +157,12 @@ def _publish(
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": experiment.plain(),
+        "selection": asdict(selection),
         "seed": experiment.benchmark.seed,
         "reactions": digests(reaction_requests(experiment)),
         "references": {condition: reference.plain() for condition, reference in judges.items()},
     }
+    files.append(EXPERIMENT_FILE)
     hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
     document = {
         "folder": folder,

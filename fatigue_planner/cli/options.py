@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.core.errors import MissingExtraError
+from fatigue_planner.core.errors import MissingExtraError, SelectionError
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 
 if TYPE_CHECKING:
     from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.study.benchmark.selection import Selection
 
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the simulated reactions.")]
@@ -29,6 +30,15 @@ Dask = Annotated[
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 
+# Restrictions of the grid, as `Selection` has them.
+MAX_NUMBER = 1_000_000  # trials or descents: the schema's limit of both
+Cycles = Annotated[list[int] | None, typer.Option(help="Only this number of cycles (repeatable).")]
+Conditions = Annotated[list[str] | None, typer.Option(help="Only this condition (repeatable).")]
+Policies = Annotated[list[str] | None, typer.Option(help="Only this policy (repeatable).")]
+Trials = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Trials per cell instead of the file's.")]
+Descents = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Descents of every POMCP.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Seed instead of the file's.")]
+
 DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
 DEFAULT_CACHE = Path("cache")
 DEFAULT_RESULTS = Path("results")
@@ -39,14 +49,34 @@ EXIT_CODES = (
 )
 
 
-def command_line(command: str, experiment: Path, cache: Path, results: Path = DEFAULT_RESULTS) -> str:
-    """The command a message tells to run, with the folders the user named."""
+def command_line(
+    command: str,
+    experiment: Path,
+    cache: Path,
+    results: Path = DEFAULT_RESULTS,
+    selection: "Selection | None" = None,
+) -> str:
+    """The command a message tells to run, with the restrictions and the folders the user named."""
     words = ["fatplan", command, str(experiment)]
+    for name, values in selection.asked().items() if selection else ():
+        words += [word for value in values for word in (f"--{name}", value)]
     if cache != DEFAULT_CACHE:
         words += ["--cache", str(cache)]
     if results != DEFAULT_RESULTS:
         words += ["--results", str(results)]
     return shlex.join(words)
+
+
+def source_of(folder: Path, wanted: "Selection") -> "tuple[Path, Selection]":
+    """The experiment file in a results folder, and the restrictions it was made with.
+
+    Raises SelectionError if other ones are wanted; and as `load_source`.
+    """
+    from fatigue_planner.study.benchmark.results import load_source
+
+    for name in wanted.asked():
+        raise SelectionError(f"--{name}: cannot be given with the results folder {folder}, which has its own grid.")
+    return load_source(folder, "fatplan benchmark EXPERIMENT")
 
 
 def executor_of(jobs: int, dask: str | None) -> "Executor":

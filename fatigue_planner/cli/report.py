@@ -12,11 +12,17 @@ from fatigue_planner.cli.options import (
     DEFAULT_EXPERIMENT,
     DEFAULT_RESULTS,
     CacheFolder,
-    ExperimentFile,
+    Conditions,
+    Cycles,
+    Descents,
     Json,
+    Policies,
     ResultsFolder,
+    Seed,
+    Trials,
     command_line,
     present,
+    source_of,
 )
 
 if TYPE_CHECKING:
@@ -26,7 +32,15 @@ if TYPE_CHECKING:
 
 
 def report(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    experiment: Annotated[
+        Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML), or a folder of its results.")
+    ] = DEFAULT_EXPERIMENT,
+    cycles: Cycles = None,
+    conditions: Conditions = None,
+    policies: Policies = None,
+    trials: Trials = None,
+    descents: Descents = None,
+    seed: Seed = None,
     figures_only: Annotated[
         bool,
         typer.Option("--figures-only", help="Only draw the figures of returns and reactions; no page."),
@@ -39,29 +53,35 @@ def report(
 
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
     does not change. Every run is replayed from its actions; one that does not come to its return is named.
-    Every figure is a PNG and an SVG, with its data as CSV.
+    Every figure is a PNG and an SVG, with its data as CSV. Of a restricted grid: with the options that `fatplan
+    benchmark` had, or the folder of its results in place of the EXPERIMENT.
     """
     from fatigue_planner.experiment.build import load_reactions, reaction_requests
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.study.benchmark.selection import Selection, selected
 
     begin = time.perf_counter()
-    settings = load_experiment(experiment)
+    file, wanted = experiment, Selection(cycles, conditions, policies, trials, descents, seed)
+    if experiment.is_dir():
+        results, own = experiment.parent, command_line("report", experiment, cache)
+        file, wanted = source_of(experiment, wanted)
+    else:
+        own = command_line("report", experiment, cache, results, wanted)
+    settings = selected(load_experiment(file), wanted)
+    folder = experiment if experiment.is_dir() else results / (settings.name + wanted.suffix())
     from fatigue_planner.core.provenance import publish_manifest
     from fatigue_planner.output.reports.results.figure_folder import FigureFolder
     from fatigue_planner.reactions.reaction import digests
 
-    simulate, benchmark = (
-        command_line("simulate", experiment, cache),
-        command_line("benchmark", experiment, cache, results),
-    )
-    own = command_line("report", experiment, cache, results)
+    simulate = command_line("simulate", file, cache)
+    benchmark = command_line("benchmark", file, cache, results, wanted)
     reactions = load_reactions(settings, cache, simulate)
-    figures = FigureFolder(results / settings.name)
+    figures = FigureFolder(folder)
     if figures_only:
         files = _draw(settings, reactions, figures, benchmark)
         text = "\n".join(f"{path} (and .svg, .csv)" for path in files if path.suffix == ".png")
     else:
-        path = _write_page(experiment, settings, reactions, figures, (simulate, benchmark, own))
+        path = _write_page(file, settings, reactions, figures, (simulate, benchmark, own))
         files = [*figures.files, path]
         text = (
             f"{path}: {path.stat().st_size / 1e6:.1f} MB; {len(figures.files)} files of figures and data beside it "
@@ -91,7 +111,7 @@ def _draw(
 
 
 def _write_page(
-    experiment: Path,
+    file: Path,
     settings: "Experiment",
     reactions: "Sequence[Reaction]",
     figures: "FigureFolder",
@@ -114,5 +134,5 @@ def _write_page(
     study = study_of(settings, figures.folder.parent)
     shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     path = figures.folder / REPORT_FILE
-    publish_text(path, report_page(report_data, figures, experiment, shown, study))
+    publish_text(path, report_page(report_data, figures, file, shown, study))
     return path

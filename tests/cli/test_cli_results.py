@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import yaml
 from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
 from test_cli_json import document
@@ -153,6 +154,52 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     text = trials.read_text()
     trials.write_text("\n".join([*text.splitlines()[:-1], text.splitlines()[1]]) + "\n")
     assert "stands twice: single_novice/5/random/0" in refused(4, *command)
+
+
+@pytest.fixture(scope="module")
+def restricted(results: Path, cache_folder: Path) -> tuple[Path, list[object]]:
+    """A part of the grid: its folder, and the options that make it."""
+    grid = ["--policies", "greedy", "--conditions", "multiple_novice", "--policies", "pomcp_0.1", "--cycles", 5]
+    where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
+    assert fatplan("benchmark", *where, *grid).returncode == 0
+    return results.parent / "paper_cycles-5_conditions-multiple_novice_policies-greedy+pomcp_0.1", grid
+
+
+@pytest.mark.parametrize("command", [FIGURES, pytest.param(["report"], marks=pytest.mark.slow)], ids="-".join)
+def test_a_restricted_grid_is_reported_by_its_options_or_its_folder(
+    restricted: tuple[Path, list[object]], cache_folder: Path, command: list[str]
+) -> None:
+    folder, grid = restricted
+    experiment = folder.parent / "paper.yaml"
+    where = [experiment, "--cache", cache_folder, "--results", folder.parent]
+    by_options = document("report", *where, *grid, *command[1:])
+    assert "figure5b.svg" in by_options["files"] and "figure5a.svg" not in by_options["files"]
+    by_folder = document("report", folder, "--cache", cache_folder, *command[1:])
+    assert by_folder["folder"] == by_options["folder"] == str(folder)
+    for found in (by_options["files"], by_folder["files"]):
+        found.pop("report.html", None)  # names the command
+    assert by_folder["files"] == by_options["files"]
+    message = refused(2, *command, folder, "--cache", cache_folder, "--seed", 3)
+    assert "--seed: cannot be given with the results folder" in message
+    message = refused(2, *command, *where, "--policies", "greedy")
+    assert f"Run `fatplan benchmark {experiment} --policies greedy --cache" in message
+    assert "is not a results folder" in refused(2, *command, folder.parent, "--cache", cache_folder)
+
+
+def test_claims_of_a_restricted_grid_are_those_about_nothing_else(restricted: tuple[Path, list[object]]) -> None:
+    folder, grid = restricted
+    claims, file = yaml.safe_load((PAPER.parent / "paper_claims.yaml").read_text()), folder.parent / "two_claims.yaml"
+    own = {"place": "x", "quote": "y", "relation": "better_mean", "conditions": ["multiple_novice"], "n_cycles": [5]}
+    own |= {"policies": ["pomcp_0.1"], "others": ["greedy"]}
+    both = {"experiment": "paper.yaml", "claims": {**claims["claims"], "own": own}}
+    file.write_text(yaml.safe_dump(both, sort_keys=False))
+    by_folder = document("claims", file, folder)
+    assert [claim["claim"] for claim in by_folder["claims"]] == ["own"]
+    assert by_folder["left_out"] == list(claims["claims"])
+    assert document("claims", file, "--results", folder.parent, *grid) == by_folder
+    assert "Not judged, for they are about more than this grid: " in fatplan("claims", file, folder).stdout
+    file.write_text(yaml.safe_dump({"experiment": "paper.yaml", "claims": claims["claims"]}))
+    assert "every claim is about more than the grid" in refused(2, "claims", file, folder)
 
 
 @pytest.mark.slow
