@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 # What a disk, or a limit on it, says when nothing more can be written.
 DISK_FAULTS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EIO)
+# The widths of a terminal that can be: 20 to 999 columns.
+MIN_COLUMNS, MAX_DIGITS = 20, 3
 
 
 def run() -> None:
@@ -148,12 +150,16 @@ def _run_and_flush(arguments: Sequence[str]) -> int:
 
 
 def _prepare_streams() -> None:
-    """Keep files from getting the number of a standard stream that is closed; no colours where none are wanted."""
+    """Keep files from getting the number of a closed standard stream; believe no absurd width; no unwanted colours."""
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # takes the lowest number, this one
+    for name in ("COLUMNS", "TERMINAL_WIDTH", "LINES"):  # what rich and typer believe, else they ask the terminal
+        size = os.environ.get(name, "")
+        if not (size.isdecimal() and len(size) <= MAX_DIGITS and int(size) >= MIN_COLUMNS):
+            os.environ.pop(name, None)
     terminal = sys.stdout is not None and sys.stdout.isatty()
     if os.environ.get("NO_COLOR") or not (terminal or os.environ.get("FORCE_COLOR")):
         os.environ["_TYPER_FORCE_DISABLE_TERMINAL"] = "1"  # of the help; NO_COLOR alone leaves it bold and dim

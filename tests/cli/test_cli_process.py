@@ -96,6 +96,14 @@ def test_help_has_colours_on_a_terminal_only() -> None:
         assert ESCAPE not in finished("nonsense", env=forced).stderr + finished("--help", env=forced).stdout
 
 
+@pytest.mark.parametrize("columns", ["0", "1", "-5", "12345678901234567890", "wide", "1e3", ""])
+def test_a_terminal_of_no_sensible_width_is_one_of_a_usual_width(columns: str) -> None:
+    for name in ("COLUMNS", "TERMINAL_WIDTH"):
+        done = finished("--help", env={name: columns})
+        assert done.returncode == 0 and "Simulate the digital human for every action" in done.stdout, done.stderr
+        assert {len(line) for line in done.stdout.splitlines() if line.startswith("╭")} == {80}
+
+
 def test_a_pipe_gets_no_bar_and_stdout_nothing_but_results(cache_folder: Path) -> None:
     done = finished("simulate", PAPER, "--cache", cache_folder, env={})
     assert done.returncode == 0 and done.stderr == ""
@@ -113,6 +121,14 @@ def test_a_reader_that_has_gone_is_no_fault() -> None:
         assert running.stdout is not None
         running.stdout.close()
         assert running.wait(timeout=60) == -13  # as the shell's own programs: SIGPIPE
+
+
+def test_as_a_module_it_is_the_same_program() -> None:
+    module = [sys.executable, "-m", "fatigue_planner"]
+    for words in (["--version"], ["simulate", "none.yaml", "--json"]):
+        done = subprocess.run([*module, *words], capture_output=True, text=True, check=False)
+        same = finished(*words)
+        assert (done.returncode, done.stdout, done.stderr) == (same.returncode, same.stdout, same.stderr)
 
 
 def test_full_and_closed_streams() -> None:
