@@ -7,58 +7,93 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.json_output import JudgedClaims
-from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, ResultsFolder, command_line
-from fatigue_planner.cli.output import Json, present
-from fatigue_planner.core.files import digest_of_files, publish_csv
-from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.benchmark.results import load_results
-from fatigue_planner.study.benchmark.tables import TRIALS_FILE
-from fatigue_planner.study.claims.answers import VERDICTS
-from fatigue_planner.study.claims.evaluation import evaluate
-from fatigue_planner.study.claims.loader import load_claims
-from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
-from fatigue_planner.study.claims.text import claims_text
-from fatigue_planner.study.statistics.pairing import records
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_RESULTS,
+    Conditions,
+    Cycles,
+    Descents,
+    Json,
+    Policies,
+    ResultsFolder,
+    Seed,
+    Trials,
+    command_line,
+    present,
+    source_of,
+)
+from fatigue_planner.core.errors import SelectionError
 
 DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 
 
 def claims(
     claims: Annotated[Path, typer.Argument(metavar="CLAIMS", help="The file of claims (YAML).")] = DEFAULT_CLAIMS,
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="[FOLDER]", help="A results folder, in place of the options that name it.")
+    ] = None,
+    cycles: Cycles = None,
+    conditions: Conditions = None,
+    policies: Policies = None,
+    trials: Trials = None,
+    descents: Descents = None,
+    seed: Seed = None,
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
 ) -> None:
     """Judge every claim of a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reason.
 
-    Needs the results of `fatplan benchmark` of the experiment the file names, its whole grid; with those of
-    `--bound` it also says how much any policy could win. Beside the verdict stands that of the paper's own test.
+    Needs the results of `fatplan benchmark` of the experiment the file names; with those of `--bound` it also says how
+    much any policy could gain. Beside the verdict is that of the paper's own test. Of a restricted grid (the options
+    that `fatplan benchmark` had, or the FOLDER of its results) it judges the claims that are about nothing else.
     """
+    from fatigue_planner.core.files import digest_of_files, publish_csv
+    from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+    from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
+    from fatigue_planner.study.benchmark.results import load_results
+    from fatigue_planner.study.benchmark.selection import Selection, selected
+    from fatigue_planner.study.benchmark.tables import TRIALS_FILE
+    from fatigue_planner.study.claims.answers import VERDICTS
+    from fatigue_planner.study.claims.evaluation import evaluate
+    from fatigue_planner.study.claims.loader import load_claims
+    from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
+    from fatigue_planner.study.claims.text import claims_text
+    from fatigue_planner.study.statistics.pairing import records
+
     loaded = load_claims(claims)
-    experiment = loaded.experiment
-    folder = results / experiment.name
-    command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results)
+    wanted = Selection(cycles, conditions, policies, trials, descents, seed)
+    if folder is not None:
+        results, (_, wanted) = folder.parent, source_of(folder, wanted)
+    experiment = selected(loaded.experiment, wanted)
+    folder = folder or results / (experiment.name + wanted.suffix())
+    command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results, wanted)
+    about = loaded.about(experiment.benchmark)
+    left_out = [name for name in loaded.claims if name not in about]
+    if not about:
+        raise SelectionError(f"{claims}: every claim is about more than the grid that was run.")
     tables = load_results(experiment, folder, command)
-    found = evaluate(loaded.claims, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
+    found = evaluate(about, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
     publish_csv(folder / CLAIMS_FILE, found.claims)
     publish_csv(folder / DETAIL_FILE, found.detail)
     read = [folder / name for name in (TRIALS_FILE, *([] if tables.bounds is None else [BOUNDS_FILE]))]
     configuration = {
-        "claims": {name: claim.plain() for name, claim in loaded.claims.items()},
+        "claims": {name: claim.plain() for name, claim in about.items()},
         "statistics": experiment.statistics.plain(),
         "tables": digest_of_files(read),
     }
     hashes = publish_manifest(folder, "claims", configuration, [folder / CLAIMS_FILE, folder / DETAIL_FILE])
     counts = Counter(found.claims["verdict"])
-    document = JudgedClaims(
-        folder=folder,
-        files=hashes,
-        counts={verdict: counts[verdict] for verdict in VERDICTS},
-        claims=records(found.claims),
-        bounds=tables.bounds is not None,
-    )
+    document = {
+        "folder": folder,
+        "files": hashes,
+        "counts": {verdict: counts[verdict] for verdict in VERDICTS},
+        "claims": records(found.claims),
+        "bounds": tables.bounds is not None,
+        "left_out": left_out,
+    }
     lines = [claims_text(found.claims, shutil.get_terminal_size().columns)]
+    if left_out:
+        lines.append(f"Not judged, for they are about more than this grid: {', '.join(left_out)}.")
     if tables.bounds is None:
         lines.append(f"How much any policy could win is not known; `{command} --bound` computes it.")
     lines.append(f"{folder}: {CLAIMS_FILE}, {DETAIL_FILE}, {MANIFEST_FILE}")

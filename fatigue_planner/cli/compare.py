@@ -5,14 +5,8 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.json_output import SideBySide
-from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.options import Json, present
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.core.files import publish_text, writable_folder
-from fatigue_planner.output.reports.results.compare import compare as compared
-from fatigue_planner.output.reports.results.compare import compare_page, compare_text
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
-from fatigue_planner.study.statistics.pairing import records
 
 
 def compare(
@@ -27,6 +21,12 @@ def compare(
 
     Each policy of A is compared with the same policy of B, run by run.
     """
+    from fatigue_planner.core.files import publish_text, writable_folder
+    from fatigue_planner.output.reports.results.compare import compare as compared
+    from fatigue_planner.output.reports.results.compare import compare_page, compare_text
+    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+    from fatigue_planner.study.statistics.pairing import records
+
     if save is not None and save.suffix.lower() != ".html":
         raise SelectionError(f"--save {save}: the name must end in .html.")
     found = compared(first, second)
@@ -36,13 +36,13 @@ def compare(
         publish_text(save, compare_page(found, figures, save.stem))
         files = [save, figures.files[0]]
         text += f"\n{save}, {figures.files[0]}"
-    document = SideBySide(
-        folders=found.names,
-        settings=found.settings,
-        versions=found.versions,
-        only=found.only,
-        same_worlds=found.same_worlds,
-        contrasts=records(found.contrasts),
-        files=files,
-    )
+    document = {
+        "folders": found.names,
+        "settings": found.settings,
+        "versions": found.versions,
+        "only": found.only,
+        "same_worlds": found.same_worlds,
+        "contrasts": records(found.contrasts),
+        "files": files,
+    }
     present(document, text, as_json)

@@ -5,21 +5,35 @@ import tempfile
 import time
 import webbrowser
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import typer
 
-from fatigue_planner.cli.json_output import Examination, Finding
-from fatigue_planner.cli.options import DEFAULT_CACHE, DEFAULT_RESULTS, CacheFolder, ResultsFolder
-from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.options import (
+    DEFAULT_CACHE,
+    DEFAULT_RESULTS,
+    CacheFolder,
+    Json,
+    ResultsFolder,
+    present,
+)
 from fatigue_planner.core.errors import ExitCode, OutputFolderError
 from fatigue_planner.core.executors.processes import available_cores
-from fatigue_planner.core.files import writable_folder
-from fatigue_planner.core.provenance import versions
 
 SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found; remedy: None if all is well; vital: nothing works without it."""
+
+    what: str
+    found: str
+    remedy: str | None = None
+    vital: bool = True
 
 
 def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS, as_json: Json = False) -> None:
@@ -33,7 +47,7 @@ def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_
     ]  # fmt: skip
     findings = [_careful(check) for check in checks]
     healthy = not any(one.remedy and one.vital for one in findings)
-    present(Examination(healthy, findings), "\n".join(map(_words, findings)), as_json)
+    present({"healthy": healthy, "findings": findings}, "\n".join(map(_words, findings)), as_json)
     if not healthy:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
@@ -53,11 +67,13 @@ def _careful(check: Callable[[], Finding]) -> Finding:
 
 
 def _versions() -> Finding:
+    from fatigue_planner.core.provenance import versions
+
     return Finding("versions", ", ".join(f"{name} {number}" for name, number in versions().items()))
 
 
 def _solvers() -> Finding:
-    import casadi  # noqa: PLC0415 - the check itself
+    import casadi
 
     missing = [name for name in SOLVERS if not casadi.has_conic(name)]
     return Finding(
@@ -66,7 +82,7 @@ def _solvers() -> Finding:
 
 
 def _compiler() -> Finding:
-    from fatigue_planner.core.jit import cache_folder, compiled  # noqa: PLC0415 - takes a second
+    from fatigue_planner.core.jit import cache_folder, compiled
 
     begin = time.perf_counter()
     three = compiled(_successor)(2)
@@ -81,8 +97,8 @@ def _successor(number: int) -> int:
 
 
 def _hdf5() -> Finding:
-    import h5py  # noqa: PLC0415 - the check itself
-    import numpy as np  # noqa: PLC0415
+    import h5py
+    import numpy as np
 
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
@@ -93,6 +109,8 @@ def _hdf5() -> Finding:
 
 
 def _folder(what: str, folder: Path) -> Finding:
+    from fatigue_planner.core.files import writable_folder
+
     there = folder
     while not there.exists() and there != there.parent:
         there = there.parent

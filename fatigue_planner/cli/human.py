@@ -1,11 +1,10 @@
 """`fatplan human`: the workers of an experiment, shown or exported."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fatigue_planner.cli.json_output import ExportedHuman, HumanPage
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
@@ -13,31 +12,29 @@ from fatigue_planner.cli.options import (
     EXIT_CODES,
     CacheFolder,
     ExperimentFile,
+    Json,
     command_line,
+    present,
 )
-from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.core.files import publish_text
-from fatigue_planner.experiment.build import load_reactions
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import build_human
-from fatigue_planner.human.urdf import urdf_text
-from fatigue_planner.human.worker_tables import joint_frame, segment_frame
-from fatigue_planner.output.reports.human.page import human_page
-from fatigue_planner.study.benchmark.selection import choose
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
 
 Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repeatable).")]
 
 OneWorker = Annotated[str | None, typer.Option("--worker", help="The worker, if the experiment has several.")]
 
-app = typer.Typer(help="Show or export the digital human of an experiment.", no_args_is_help=True)
+app = typer.Typer(name="human", help="Show or export the digital human of an experiment.", no_args_is_help=True)
 
 
 @app.command(epilog=EXIT_CODES)
 def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = None) -> None:
     """Print the workers' segments, ranges of motion and strengths."""
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.human.worker_tables import joint_frame, segment_frame
+    from fatigue_planner.study.benchmark.selection import choose
+
     known = load_experiment(experiment).workers
     for name in choose("workers", list(known), workers):
         person = known[name]
@@ -60,6 +57,12 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.human.joint_data import maximum_torque
+    from fatigue_planner.human.model import build_human
+    from fatigue_planner.human.urdf import urdf_text
+
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
     person = settings.workers[name]
@@ -67,8 +70,9 @@ def export(
     human = build_human(person, settings.tool.mass_kg if tool else 0.0)
     strength = maximum_torque(person.strength).vectors()
     publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
-    made = ExportedHuman(output, name, len(human.model.names) - 2, human.mass_kg)
-    present(made, f"{output}: {made.joints} joints, {made.mass_kg:.1f} kg", as_json)
+    joints = len(human.model.names) - 2
+    document = {"file": output, "worker": name, "joints": joints, "mass_kg": human.mass_kg}
+    present(document, f"{output}: {joints} joints, {human.mass_kg:.1f} kg", as_json)
 
 
 @app.command(epilog=EXIT_CODES)
@@ -82,6 +86,11 @@ def report(
     as_json: Json = False,
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.experiment.build import load_reactions
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.output.reports.human.page import human_page
+
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
     output = output or DEFAULT_RESULTS / settings.name / f"{name}.md"
@@ -90,12 +99,15 @@ def report(
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
     page = human_page(settings.workers[name], settings.tool.mass_kg, settings.fatigue, own, command)
     publish_text(output, page)
-    made = HumanPage(output, name, page.count("**OUTSIDE**"))
-    present(made, f"{output}: {made.outside} values outside their band or range", as_json)
+    outside = page.count("**OUTSIDE**")
+    document = {"file": output, "worker": name, "outside": outside}
+    present(document, f"{output}: {outside} values outside their band or range", as_json)
 
 
-def _one_worker(settings: Experiment, wanted: str | None) -> str:
+def _one_worker(settings: "Experiment", wanted: str | None) -> str:
     """The worker named, or the only one. Raises SelectionError if there are several and none is named."""
+    from fatigue_planner.study.benchmark.selection import choose
+
     if wanted is None and len(settings.workers) > 1:
         raise SelectionError(f"--worker: is missing; choose one of {', '.join(settings.workers)}.")
     (name,) = choose("worker", list(settings.workers), [wanted] if wanted else None)

@@ -4,15 +4,19 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress, TaskID
 
 SECONDS_BETWEEN_LINES = 60.0
 
 
-def talk() -> Console:
+def talk() -> "Console":
     """Where progress and messages go: the terminal's error stream, apart from results."""
+    from rich.console import Console
+
     return Console(stderr=True, highlight=False, soft_wrap=True)
 
 
@@ -29,17 +33,20 @@ class Counter:
     Where nobody watches, in a file or a pipe, there is a line now and then.
     """
 
-    def __init__(self, title: str, console: Console, effort: float) -> None:
+    def __init__(self, title: str, console: "Console", effort: float) -> None:
         self.pieces = 0
         self._title, self._console = title, console
         self._effort, self._done = effort, 0.0
         self._said = time.monotonic()
         self._bar: Progress | None = None
-        self._task = TaskID(0)
+        self._task: TaskID | None = None
         if console.is_interactive:
-            share = TextColumn("{task.percentage:.0f} %")
-            columns = (TextColumn("{task.description}"), BarColumn(), share, TimeElapsedColumn(), TimeRemainingColumn())
-            self._bar = Progress(*columns, console=console)
+            from rich import progress as bar
+
+            percentage = bar.TextColumn("{task.percentage:.0f} %")
+            times = (bar.TimeElapsedColumn(), bar.TimeRemainingColumn())
+            columns = (bar.TextColumn("{task.description}"), bar.BarColumn(), percentage, *times)
+            self._bar = bar.Progress(*columns, console=console)
             self._task = self._bar.add_task(title, total=effort)
             self._bar.start()
 
@@ -47,7 +54,7 @@ class Counter:
         """So many pieces more are done and kept, which took so much of the effort."""
         self.pieces += pieces
         self._done += effort
-        if self._bar is not None:
+        if self._bar is not None and self._task is not None:
             self._bar.advance(self._task, effort)
         elif time.monotonic() - self._said > SECONDS_BETWEEN_LINES:
             self._said = time.monotonic()

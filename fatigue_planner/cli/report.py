@@ -1,29 +1,50 @@
-"""`fatplan report`: one page with all results of an experiment."""
+"""`fatplan report`: one page with all results of an experiment, or its figures only."""
 
 import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from fatigue_planner.cli.json_output import FilesOf
+import typer
+
 from fatigue_planner.cli.options import (
     DEFAULT_CACHE,
     DEFAULT_EXPERIMENT,
     DEFAULT_RESULTS,
     CacheFolder,
-    ExperimentFile,
+    Conditions,
+    Cycles,
+    Descents,
+    Json,
+    Policies,
     ResultsFolder,
+    Seed,
+    Trials,
     command_line,
+    present,
+    source_of,
 )
-from fatigue_planner.cli.output import Json, present
-from fatigue_planner.core.files import publish_text
-from fatigue_planner.core.provenance import publish_manifest
-from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.study.benchmark.results import courses, load_results
-from fatigue_planner.study.benchmark.selection import cells
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+    from fatigue_planner.reactions.reaction import Reaction
 
 
 def report(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    experiment: Annotated[
+        Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML), or a folder of its results.")
+    ] = DEFAULT_EXPERIMENT,
+    cycles: Cycles = None,
+    conditions: Conditions = None,
+    policies: Policies = None,
+    trials: Trials = None,
+    descents: Descents = None,
+    seed: Seed = None,
+    figures_only: Annotated[
+        bool,
+        typer.Option("--figures-only", help="Only draw the figures of returns and reactions; no page."),
+    ] = False,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
@@ -31,33 +52,87 @@ def report(
     """Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and tables.
 
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
-    does not change. Every run is lived through again from its actions; one that does not come to its return is named.
+    does not change. Every run is replayed from its actions; one that does not come to its return is named.
+    Every figure is a PNG and an SVG, with its data as CSV. Of a restricted grid: with the options that `fatplan
+    benchmark` had, or the folder of its results in place of the EXPERIMENT.
     """
-    begin = time.perf_counter()
-    settings = load_experiment(experiment)
-    from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder  # noqa: PLC0415 - loads matplotlib
-    from fatigue_planner.output.reports.results.report import report  # noqa: PLC0415
-    from fatigue_planner.output.reports.results.report_data import ReportData  # noqa: PLC0415
-    from fatigue_planner.output.reports.study.finished import study_of  # noqa: PLC0415
+    from fatigue_planner.experiment.build import load_reactions, reaction_requests
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.study.benchmark.selection import Selection, selected
 
-    simulate = command_line("simulate", experiment, cache)
-    benchmark, own = (command_line(command, experiment, cache, results) for command in ("benchmark", "report"))
+    begin = time.perf_counter()
+    file, wanted = experiment, Selection(cycles, conditions, policies, trials, descents, seed)
+    if experiment.is_dir():
+        results, own = experiment.parent, command_line("report", experiment, cache)
+        file, wanted = source_of(experiment, wanted)
+    else:
+        own = command_line("report", experiment, cache, results, wanted)
+    settings = selected(load_experiment(file), wanted)
+    folder = experiment if experiment.is_dir() else results / (settings.name + wanted.suffix())
+    from fatigue_planner.core.provenance import publish_manifest
+    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+    from fatigue_planner.reactions.reaction import digests
+
+    simulate = command_line("simulate", file, cache)
+    benchmark = command_line("benchmark", file, cache, results, wanted)
     reactions = load_reactions(settings, cache, simulate)
-    folder = results / settings.name
-    tables = load_results(settings, folder, benchmark)
-    grid = cells(settings, cycle_profiles(settings, reactions))
-    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, folder))
     figures = FigureFolder(folder)
-    path = folder / REPORT_FILE
-    study = study_of(settings, results)
-    commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
-    publish_text(path, report(report_data, figures, experiment, commands, study))
+    if figures_only:
+        files = _draw(settings, reactions, figures, benchmark)
+        text = "\n".join(f"{path} (and .svg, .csv)" for path in files if path.suffix == ".png")
+    else:
+        path = _write_page(file, settings, reactions, figures, (simulate, benchmark, own))
+        files = [*figures.files, path]
+        text = (
+            f"{path}: {path.stat().st_size / 1e6:.1f} MB; {len(figures.files)} files of figures and data beside it "
+            f"({time.perf_counter() - begin:.1f} s)."
+        )
     note = {"reactions": digests(reaction_requests(settings))}
-    hashes = publish_manifest(folder, "report", note, [*figures.files, path])
-    size = path.stat().st_size / 1e6
-    text = (
-        f"{path}: {size:.1f} MB; {len(figures.files)} files of figures and data beside it "
-        f"({time.perf_counter() - begin:.1f} s)."
-    )
-    present(FilesOf(folder, hashes), text, as_json)
+    hashes = publish_manifest(figures.folder, "figures" if figures_only else "report", note, files)
+    present({"folder": figures.folder, "files": hashes}, text, as_json)
+
+
+def _draw(
+    settings: "Experiment", reactions: "Sequence[Reaction]", figures: "FigureFolder", benchmark: str
+) -> list[Path]:
+    """Figures of the returns, if the experiment names some, and of the reactions; the command makes the tables."""
+    from fatigue_planner.core.files import writable_folder
+    from fatigue_planner.experiment.build import worker_fatigue
+    from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns
+    from fatigue_planner.study.benchmark.results import load_results
+    from fatigue_planner.study.statistics.comparison import comparison_table
+
+    if settings.figures:
+        tables = load_results(settings, figures.folder, benchmark)
+        draw_returns(figures, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+    writable_folder(figures.folder)
+    draw_reactions(figures, settings, reactions, worker_fatigue(settings))
+    return figures.files
+
+
+def _write_page(
+    file: Path,
+    settings: "Experiment",
+    reactions: "Sequence[Reaction]",
+    figures: "FigureFolder",
+    commands: tuple[str, str, str],
+) -> Path:
+    """The page, its figures beside it; `commands` make the reactions, the tables and the page."""
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.experiment.build import cycle_profiles
+    from fatigue_planner.output.reports.html.page import REPORT_FILE
+    from fatigue_planner.output.reports.results.report import report as report_page
+    from fatigue_planner.output.reports.results.report_data import ReportData
+    from fatigue_planner.output.reports.study.finished import study_of
+    from fatigue_planner.study.benchmark.results import courses, load_results
+    from fatigue_planner.study.benchmark.selection import cells
+
+    simulate, benchmark, own = commands
+    tables = load_results(settings, figures.folder, benchmark)
+    grid = cells(settings, cycle_profiles(settings, reactions))
+    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, figures.folder))
+    study = study_of(settings, figures.folder.parent)
+    shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
+    path = figures.folder / REPORT_FILE
+    publish_text(path, report_page(report_data, figures, file, shown, study))
+    return path

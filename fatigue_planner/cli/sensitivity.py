@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import pandas as pd
 import typer
 
-from fatigue_planner.cli.json_output import StudyRun
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -15,24 +13,23 @@ from fatigue_planner.cli.options import (
     CacheFolder,
     Dask,
     Jobs,
+    Json,
     ResultsFolder,
     command_line,
     executor_of,
+    present,
 )
-from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, talk, warn
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.core.executors.executor import Executor
-from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
-from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
-from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
-from fatigue_planner.study.sensitivity.design import Point, design
-from fatigue_planner.study.sensitivity.reactions import Reacted, react, unique_digests, unique_requests
-from fatigue_planner.study.sensitivity.robustness import judge
-from fatigue_planner.study.sensitivity.run import StudyGrid
-from fatigue_planner.study.sensitivity.study import Study, load_study
-from fatigue_planner.study.sensitivity.tables import study_tables
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.study.sensitivity.design import Point
+    from fatigue_planner.study.sensitivity.reactions import Reacted
+    from fatigue_planner.study.sensitivity.study import Study
 
 DEFAULT_STUDY = Path("experiments/sensitivity.yaml")
 
@@ -53,20 +50,27 @@ def sensitivity(
     and all at once (a space-filling design). Reactions in the cache are not simulated again; an interrupted run goes on
     where it stopped when it is started again, and ends in the same tables.
     """
+    from fatigue_planner.core.files import writable_folder
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.study.sensitivity.design import design
+    from fatigue_planner.study.sensitivity.study import load_study
+
     settings, executor = load_study(study), executor_of(jobs, dask)
     points = design(settings)
     store = writable_folder(results / settings.settings.name / "parts")
     command = command_line("sensitivity", study, cache, results)
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
     trials = _run(reacted, store, executor)
-    done, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
-    lessons = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(done.lessons, start=1))
-    present(done, f"{lessons}\n\n{done.folder}: {names}", as_json)
+    document, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
+    lessons = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(document["lessons"], start=1))
+    present(document, f"{lessons}\n\n{document['folder']}: {names}", as_json)
 
 
 def _react(
-    study: Study, points: Sequence[Point], cache: ReactionCache, executor: Executor, command: str
-) -> list[Reacted]:
+    study: "Study", points: "Sequence[Point]", cache: "ReactionCache", executor: "Executor", command: str
+) -> "list[Reacted]":
+    from fatigue_planner.study.sensitivity.reactions import react, unique_requests
+
     console = talk()
     total = len(unique_requests(points))
     with progress(f"Reactions of {len(points)} points", total, kept=("reactions", cache.folder)) as counter:
@@ -81,7 +85,10 @@ def _react(
     return reacted
 
 
-def _run(reacted: Sequence[Reacted], store: Path, executor: Executor) -> Mapping[str, pd.DataFrame]:
+def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Mapping[str, pd.DataFrame]":
+    from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
+    from fatigue_planner.study.sensitivity.run import StudyGrid
+
     console = talk()
     grid = StudyGrid(reacted)
     left = decisions_left(grid.cells, store)
@@ -98,13 +105,18 @@ def _run(reacted: Sequence[Reacted], store: Path, executor: Executor) -> Mapping
 
 
 def _publish(
-    study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
-) -> tuple[StudyRun, str]:
-    """Everything on disk: what was made, and the names of the files for people."""
-    from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.output.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
-    from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
-    from fatigue_planner.output.reports.study.page import study_page  # noqa: PLC0415
+    study: "Study", reacted: "Sequence[Reacted]", trials: "Mapping[str, pd.DataFrame]", folder: Path, command: str
+) -> tuple[dict[str, Any], str]:
+    """Everything on disk: the JSON document of what was made, and the names of the files for people."""
+    from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
+    from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+    from fatigue_planner.output.reports.html.page import REPORT_FILE
+    from fatigue_planner.output.reports.study.drawings import draw_study
+    from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study
+    from fatigue_planner.output.reports.study.page import study_page
+    from fatigue_planner.study.sensitivity.reactions import unique_digests
+    from fatigue_planner.study.sensitivity.robustness import judge
+    from fatigue_planner.study.sensitivity.tables import study_tables
 
     tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))
     files = [folder / LESSONS_FILE]
@@ -124,4 +136,11 @@ def _publish(
     publish_text(folder / REPORT_FILE, study_page(read_study(folder), command))
     names = ", ".join([REPORT_FILE, *(path.name for path in files), f"{FIGURES}/", MANIFEST_FILE])
     feasible = sum(one.profiles is not None for one in reacted)
-    return StudyRun(folder, hashes, len(reacted), feasible, tables.lessons), names
+    document = {
+        "folder": folder,
+        "files": hashes,
+        "points": len(reacted),
+        "feasible": feasible,
+        "lessons": tables.lessons,
+    }
+    return document, names

@@ -1,12 +1,10 @@
 """`fatplan simulate`: every action with every preference, into the reaction cache."""
 
 import time
-from collections.abc import Sequence
-from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fatigue_planner.cli.json_output import SimulatedReaction, Simulation
 from fatigue_planner.cli.options import (
     ALL_CORES,
     DEFAULT_CACHE,
@@ -15,14 +13,15 @@ from fatigue_planner.cli.options import (
     Dask,
     ExperimentFile,
     Jobs,
+    Json,
     executor_of,
+    present,
 )
-from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.errors import ExitCode
-from fatigue_planner.experiment.build import reaction_requests
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.reactions.cache import Outcome, ReactionCache
+
+if TYPE_CHECKING:
+    from fatigue_planner.reactions.cache import Outcome
 
 
 def simulate(
@@ -38,6 +37,10 @@ def simulate(
     What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
     is reported and not kept; one that had to pass a limit a little is kept as degraded, and says so.
     """
+    from fatigue_planner.experiment.build import reaction_requests
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.reactions.cache import ReactionCache
+
     begin = time.perf_counter()
     settings = load_experiment(experiment)
     requests, executor = reaction_requests(settings), executor_of(jobs, dask)
@@ -47,58 +50,49 @@ def simulate(
             requests, executor, lambda outcome: counter.advance(pieces=outcome.verdict != "failed")
         )
     warn(store.damaged)
-    done = _document(cache, outcomes, time.perf_counter() - begin)
-    present(done, _text(done, outcomes), as_json)
-    if done.failed:
+    failed = sum(outcome.verdict == "failed" for outcome in outcomes)
+    found = sum(outcome.found for outcome in outcomes)
+    simulated, elapsed_s = len(outcomes) - found - failed, time.perf_counter() - begin
+    lines = [f"  {outcome.name!s:<32} {_outcome_text(outcome)}" for outcome in outcomes]
+    if failed:
+        rest = " The others are kept." if failed < len(outcomes) else ""
+        lines.append(f"{failed} of {len(outcomes)} reactions failed.{rest}")
+    else:
+        made = f"{simulated} simulated" if simulated else "nothing to simulate"
+        lines.append(f"{cache}: {len(outcomes)} reactions, {found} found in the cache, {made} ({elapsed_s:.1f} s).")
+    document = {
+        "folder": cache,
+        "reactions": [_reaction(outcome) for outcome in outcomes],
+        "found": found,
+        "simulated": simulated,
+        "failed": failed,
+        "elapsed_s": elapsed_s,
+    }
+    present(document, "\n".join(lines), as_json)
+    if failed:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
 
-def _document(folder: Path, outcomes: Sequence[Outcome], elapsed_s: float) -> Simulation:
-    failed = sum(outcome.verdict == "failed" for outcome in outcomes)
-    found = sum(outcome.found for outcome in outcomes)
-    return Simulation(
-        folder=folder,
-        reactions=[_reaction(outcome) for outcome in outcomes],
-        found=found,
-        simulated=len(outcomes) - found - failed,
-        failed=failed,
-        elapsed_s=elapsed_s,
-    )
-
-
-def _reaction(outcome: Outcome) -> SimulatedReaction:
+def _reaction(outcome: "Outcome") -> dict[str, Any]:
+    """A reaction in the JSON document; the numbers are null where there was no motion to measure."""
     quality = outcome.quality
-    return SimulatedReaction(
-        name=str(outcome.name),
-        digest=outcome.digest,
-        verdict=outcome.verdict,
-        found=outcome.found,
-        failure=outcome.failure,
-        degradation=quality.degradation() if quality and outcome.verdict == "degraded" else "",
-        hand_error_m=quality.work_hand_error_m if quality else None,
-        largest_load_share=quality.largest_load_share if quality else None,
-        largest_load_joint=quality.largest_load_joint if quality else None,
-    )
+    return {
+        "name": str(outcome.name),
+        "digest": outcome.digest,
+        "verdict": outcome.verdict,
+        "found": outcome.found,
+        "failure": outcome.failure,
+        "degradation": quality.degradation() if quality and outcome.verdict == "degraded" else "",
+        "hand_error_m": quality and quality.work_hand_error_m,
+        "largest_load_share": quality and quality.largest_load_share,
+        "largest_load_joint": quality and quality.largest_load_joint,
+    }
 
 
-def _text(done: Simulation, outcomes: Sequence[Outcome]) -> str:
-    lines = [f"  {outcome.name!s:<32} {_words(outcome)}" for outcome in outcomes]
-    if done.failed:
-        rest = " The others are kept." if done.failed < len(outcomes) else ""
-        lines.append(f"{done.failed} of {len(outcomes)} reactions failed.{rest}")
-    else:
-        made = f"{done.simulated} simulated" if done.simulated else "nothing to simulate"
-        lines.append(
-            f"{done.folder}: {len(outcomes)} reactions, {done.found} found in the cache, {made} "
-            f"({done.elapsed_s:.1f} s)."
-        )
-    return "\n".join(lines)
-
-
-def _words(outcome: Outcome) -> str:
-    if outcome.verdict == "failed" or outcome.quality is None:
+def _outcome_text(outcome: "Outcome") -> str:
+    quality = outcome.quality
+    if outcome.verdict == "failed" or quality is None:
         return f"FAILED: {outcome.failure}"
-    quality = outcome.quality
     return (
         f"{'found' if outcome.found else 'simulated'}, {outcome.verdict}; hand within "
         f"{quality.work_hand_error_m * 1000:.1f} mm of its target; heaviest load "

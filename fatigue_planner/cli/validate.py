@@ -1,19 +1,14 @@
-"""`fatplan validate`: whether a file of settings says what it may."""
+"""`fatplan validate` and `fatplan schema`: what a file of settings says, and what it may say."""
 
+import json
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.json_output import Fault, Validation
-from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.options import Json, present
 from fatigue_planner.core.errors import ExperimentError, FatplanError
-from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.output.reports.html.blocks import counted
-
-if TYPE_CHECKING:
-    from fatigue_planner.experiment.schema import Experiment
 
 
 class Kind(StrEnum):
@@ -36,38 +31,54 @@ def validate(
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without doing anything: all faults are told at once."""
-    kind = None
+    from fatigue_planner.core.yaml_reader import read_yaml
+
+    kind, about, error, faults = None, "", None, []
     try:
         kind = kind_of(read_yaml(file, ExperimentError))
         about = _about(file, kind)
-    except FatplanError as error:
+    except FatplanError as fault:
         if not as_json:
             raise
-        faults = [Fault(line.removeprefix(f"{file}: ")) for line in str(error).splitlines()]
-        present(Validation(file, kind, False, faults, ""), "", as_json)
+        error = fault
+        faults = [{"message": line.removeprefix(f"{file}: ")} for line in str(error).splitlines()]
+    document = {"file": file, "kind": kind, "valid": error is None, "faults": faults, "about": about}
+    present(document, f"{file}: ok; {about}.", as_json)
+    if error is not None:
         typer.echo(f"Error: {error}", err=True)
-        raise typer.Exit(error.exit_code) from error
-    present(Validation(file, kind, True, (), about), f"{file}: ok; {about}.", as_json)
+        raise typer.Exit(error.exit_code)
+
+
+def schema(
+    kind: Annotated[Kind, typer.Argument(help="Of which kind of file.")] = Kind.EXPERIMENT,
+) -> None:
+    """Print the JSON Schema of a kind of file, for editors that complete and check YAML while one types."""
+    from fatigue_planner.experiment.editor_schema import editor_schema
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.study.claims.schema import ClaimsFile
+    from fatigue_planner.study.sensitivity.settings import StudySettings
+
+    settings: dict[Kind, Any] = {Kind.EXPERIMENT: Experiment, Kind.CLAIMS: ClaimsFile, Kind.STUDY: StudySettings}
+    typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
 
 def _about(file: Path, kind: Kind) -> str:
     """What a file is about. What reads it is loaded when its kind is known; raises what that raises."""
+    from fatigue_planner.output.reports.html.blocks import counted
+
     if kind is Kind.CLAIMS:
-        from fatigue_planner.study.claims.loader import load_claims  # noqa: PLC0415
+        from fatigue_planner.study.claims.loader import load_claims
 
         loaded = load_claims(file)
         return f"{len(loaded.claims)} claims about {loaded.experiment_file}"
     if kind is Kind.STUDY:
-        from fatigue_planner.study.sensitivity.study import load_study  # noqa: PLC0415
+        from fatigue_planner.study.sensitivity.study import load_study
 
         study = load_study(file)
         return f"a study of {len(study.settings.factors)} settings of {study.base_file}"
-    from fatigue_planner.experiment.loader import load_experiment  # noqa: PLC0415
+    from fatigue_planner.experiment.loader import load_experiment
 
-    return _size(load_experiment(file))
-
-
-def _size(experiment: "Experiment") -> str:
+    experiment = load_experiment(file)
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)
     cells = len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)

@@ -4,7 +4,7 @@ import time
 import webbrowser
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,13 +18,10 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.progress import talk
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.core.files import publish_text, writable_folder
-from fatigue_planner.experiment.build import reaction_requests
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
-from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.study.benchmark.selection import choose
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.output.viewer.motion_clip import MotionClip
 
 MAX_UNASKED = 12  # reactions shown if none is named: 3 minutes
 SUFFIXES = (".html", ".png")
@@ -49,6 +46,9 @@ def view(
     One page that needs nothing but a browser: play, scrub, orbit. Without --save it is opened.
     Needs the reactions of `fatplan simulate`.
     """
+    from fatigue_planner.core.files import publish_text, writable_folder
+    from fatigue_planner.experiment.loader import load_experiment
+
     begin = time.perf_counter()
     settings = load_experiment(experiment)
     path = save or DEFAULT_RESULTS / settings.name / "view.html"
@@ -58,16 +58,16 @@ def view(
     if at and kind != ".png":
         raise SelectionError(f"--at {at[0]:g}: only for the poses of a .png; the page shows the whole cycle.")
     writable_folder(path.parent)
-    clips = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
+    clips = _motion_clips(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
-        from fatigue_planner.output.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
-        from fatigue_planner.output.viewer.filmstrip import strip  # noqa: PLC0415
+        from fatigue_planner.output.figures.style import publish_png
+        from fatigue_planner.output.viewer.filmstrip import strip
 
         _check_times(at or [], clips)
         figure = strip(clips, at or [])
         publish_png(path, figure)
     else:
-        from fatigue_planner.output.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs
+        from fatigue_planner.output.viewer.page import page
 
         many = f"{len(clips)} reactions" if len(clips) > 1 else "1 reaction"
         talk().print(f"Recording {many}, some 3 s each ...", markup=False)
@@ -78,8 +78,13 @@ def view(
         typer.echo(f"No browser found; open {path} in one.")
 
 
-def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, command: str) -> list[MotionClip]:
+def _motion_clips(settings: "Experiment", wanted: Sequence[str], cache: Path, command: str) -> "list[MotionClip]":
     """The reactions to show, in the experiment's order. Raises SelectionError for a name it does not have."""
+    from fatigue_planner.experiment.build import reaction_requests
+    from fatigue_planner.output.viewer.motion_clip import motion_clip_of
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.study.benchmark.selection import choose
+
     requests = reaction_requests(settings)
     known = [str(request.name) for request in requests]
     chosen = choose("reaction", known, wanted) if wanted else known[:MAX_UNASKED]
@@ -91,7 +96,7 @@ def _performances(settings: Experiment, wanted: Sequence[str], cache: Path, comm
     return [motion_clip_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
 
 
-def _check_times(times_s: Sequence[float], clips: Sequence[MotionClip]) -> None:
+def _check_times(times_s: Sequence[float], clips: "Sequence[MotionClip]") -> None:
     """Raise SelectionError for a time outside the cycle."""
     end = min(clip.duration_s for clip in clips)
     for time_s in times_s:

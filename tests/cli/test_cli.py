@@ -74,7 +74,7 @@ def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Pa
 def test_bad_experiment(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(PAPER.read_text().replace("exploration_constant: 0.1,", "exploration_constant: -1,"))
-    for command in ("simulate", "benchmark", "figures"):
+    for command in ("simulate", "benchmark", "report"):
         assert "exploration_constant = -1: input should be greater than or equal to 0" in refused(2, command, path)
     assert "No such file" in refused(2, "simulate", tmp_path / "none.yaml")
 
@@ -144,5 +144,5 @@ def test_bad_options(cache_folder: Path, tmp_path: Path, options: list[str], exp
 
 def test_missing_table_says_what_to_run(cache_folder: Path, tmp_path: Path) -> None:
     assert f"Run `fatplan benchmark {PAPER} --cache" in refused(
-        2, "figures", PAPER, "--cache", cache_folder, "--results", tmp_path
+        2, "report", "--figures-only", PAPER, "--cache", cache_folder, "--results", tmp_path
     )

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 from commands import fatplan, finished, process, small_files
 from conftest import PAPER
 
@@ -24,34 +25,29 @@ ESCAPE = "\x1b"
 COLOUR = re.compile(r"\x1b\[[0-9;]*(?:3[0-8]|4[0-8]|9[0-7]|10[0-7])[0-9;]*m")
 
 
-def commands() -> list[tuple[str, ...]]:
-    """All commands of the program, by their words."""
-    import typer
-
+def test_every_commands_help_names_the_exit_codes() -> None:
     root = typer.main.get_command(app)
-    found: list[tuple[str, ...]] = []
-    for name, lazy in root.commands.items():
-        real = lazy.load()
-        assert lazy.help == (real.help or "").split("\n\n")[0].replace("\n", " "), name
-        found += [(name, below) for below in getattr(real, "commands", {})] or [(name,)]
-    return found
-
-
-def test_every_commands_help_names_the_exit_codes_and_its_summary_is_its_own() -> None:
-    found = commands()
-    assert {("simulate",), ("cache", "verify"), ("human", "export"), ("schema",)} <= set(found)
-    for words in ((), ("human",), ("cache",), *found):
+    commands: list[tuple[str, ...]] = [(), *((name,) for name, command in root.commands.items() if not command.hidden)]
+    commands += [(group, name) for group in ("human", "cache") for name in root.commands[group].commands]
+    assert len(commands) == 1 + 12 + 3 + 6
+    for words in commands:
         done = fatplan(*words, "--help")
         assert done.returncode == 0 and "Exit codes: 0 done; 1 internal error;" in " ".join(done.stdout.split()), words
         assert ESCAPE not in done.stdout
+
+
+def test_a_command_of_former_times_names_its_successor() -> None:
+    for more in ((), (PAPER, "--results", "x"), ("--help",)):
+        assert fatplan("figures", *more).stderr == "Error: `fatplan figures` is now `fatplan report --figures-only`.\n"
+        assert fatplan("figures", *more).returncode == ExitCode.BAD_INPUT
 
 
 @pytest.mark.parametrize("words", [("--version",), ("--help",), ("nonsense",), ("validate", "none.yaml")])
 def test_what_needs_no_work_loads_nothing_heavy(words: tuple[str, ...]) -> None:
     code = f"""
 import sys
-from fatigue_planner.cli.run_command import outcome
-outcome({list(words)!r})
+from fatigue_planner.cli.entry import execute
+execute({list(words)!r})
 print(sorted(set(sys.modules) & {HEAVY!r}), file=sys.stderr)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -100,6 +96,14 @@ def test_help_has_colours_on_a_terminal_only() -> None:
         assert ESCAPE not in finished("nonsense", env=forced).stderr + finished("--help", env=forced).stdout
 
 
+@pytest.mark.parametrize("columns", ["0", "1", "-5", "12345678901234567890", "wide", "1e3", ""])
+def test_a_terminal_of_no_sensible_width_is_one_of_a_usual_width(columns: str) -> None:
+    for name in ("COLUMNS", "TERMINAL_WIDTH"):
+        done = finished("--help", env={name: columns})
+        assert done.returncode == 0 and "Simulate the digital human for every action" in done.stdout, done.stderr
+        assert {len(line) for line in done.stdout.splitlines() if line.startswith("╭")} == {80}
+
+
 def test_a_pipe_gets_no_bar_and_stdout_nothing_but_results(cache_folder: Path) -> None:
     done = finished("simulate", PAPER, "--cache", cache_folder, env={})
     assert done.returncode == 0 and done.stderr == ""
@@ -117,6 +121,14 @@ def test_a_reader_that_has_gone_is_no_fault() -> None:
         assert running.stdout is not None
         running.stdout.close()
         assert running.wait(timeout=60) == -13  # as the shell's own programs: SIGPIPE
+
+
+def test_as_a_module_it_is_the_same_program() -> None:
+    module = [sys.executable, "-m", "fatigue_planner"]
+    for words in (["--version"], ["simulate", "none.yaml", "--json"]):
+        done = subprocess.run([*module, *words], capture_output=True, text=True, check=False)
+        same = finished(*words)
+        assert (done.returncode, done.stdout, done.stderr) == (same.returncode, same.stdout, same.stderr)
 
 
 def test_full_and_closed_streams() -> None:
@@ -193,7 +205,7 @@ def test_a_fault_of_the_program_is_told_with_where_it_is_written_down(tmp_path: 
 
 
 def test_what_is_kept_stands_with_whatever_ends_the_work(tmp_path: Path) -> None:
-    from fatigue_planner.cli.failure import kept_text
+    from fatigue_planner.cli.entry import kept_text
     from fatigue_planner.cli.progress import progress
 
     with pytest.raises(ZeroDivisionError) as caught, progress("Working", 3, kept=("runs", tmp_path)) as counter:

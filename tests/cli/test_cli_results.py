@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import yaml
 from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
 from test_cli_json import document
 
-from fatigue_planner.cli.json_output import BenchmarkRun, FilesOf, JudgedClaims, SideBySide
+FIGURES = ["report", "--figures-only"]
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +22,8 @@ def results(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     folder = tmp_path_factory.mktemp("results")
     small = folder / "paper.yaml"
     small.write_text(PAPER.read_text().replace("trials: 100", "trials: 3").replace("descents: 5000", "descents: 30"))
-    for command in ("benchmark", "figures"):
-        done = fatplan(command, small, "--cache", cache_folder, "--results", folder)
+    for command in (["benchmark"], FIGURES):
+        done = fatplan(*command, small, "--cache", cache_folder, "--results", folder)
         assert done.returncode == 0, done.stderr
     return folder / "paper"
 
@@ -65,7 +66,7 @@ def test_figures_stand_beside_their_data(results: Path) -> None:
 def test_rebuilding_figures_changes_no_byte(results: Path, cache_folder: Path) -> None:
     before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     experiment = results.parent / "paper.yaml"
-    assert fatplan("figures", experiment, "--cache", cache_folder, "--results", results.parent).returncode == 0
+    assert fatplan(*FIGURES, experiment, "--cache", cache_folder, "--results", results.parent).returncode == 0
     after = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     assert before == after
 
@@ -88,14 +89,14 @@ def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cach
     folders = ["--cache", cache_folder, "--results", tmp_path]
     for old, new, key in (("discount: 0.95", "discount: 0.9", "discount"), ("greedy: {", "keen: {", "benchmark")):
         experiment.write_text(text.replace(old, new))
-        message = refused(2, "figures", experiment, *folders)
+        message = refused(2, *FIGURES, experiment, *folders)
         assert f"was made with other settings ({key})" in message and "Run `fatplan benchmark " in message
     experiment.write_text(text)
     table = tmp_path / "paper" / "trials.csv"
     table.write_text(table.read_text().replace("-0.0", "-0.1", 1))
-    assert "is not what was written" in refused(4, "figures", experiment, *folders)
+    assert "is not what was written" in refused(4, *FIGURES, experiment, *folders)
     table.write_text(table.read_text().replace("-0.1", "-0.o", 1))
-    assert "is not one of our tables" in refused(4, "figures", experiment, *folders)
+    assert "is not one of our tables" in refused(4, *FIGURES, experiment, *folders)
 
 
 def test_claims_are_judged_from_the_published_tables(results: Path) -> None:
@@ -155,6 +156,52 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     assert "stands twice: single_novice/5/random/0" in refused(4, *command)
 
 
+@pytest.fixture(scope="module")
+def restricted(results: Path, cache_folder: Path) -> tuple[Path, list[object]]:
+    """A part of the grid: its folder, and the options that make it."""
+    grid = ["--policies", "greedy", "--conditions", "multiple_novice", "--policies", "pomcp_0.1", "--cycles", 5]
+    where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
+    assert fatplan("benchmark", *where, *grid).returncode == 0
+    return results.parent / "paper_cycles-5_conditions-multiple_novice_policies-greedy+pomcp_0.1", grid
+
+
+@pytest.mark.parametrize("command", [FIGURES, pytest.param(["report"], marks=pytest.mark.slow)], ids="-".join)
+def test_a_restricted_grid_is_reported_by_its_options_or_its_folder(
+    restricted: tuple[Path, list[object]], cache_folder: Path, command: list[str]
+) -> None:
+    folder, grid = restricted
+    experiment = folder.parent / "paper.yaml"
+    where = [experiment, "--cache", cache_folder, "--results", folder.parent]
+    by_options = document("report", *where, *grid, *command[1:])
+    assert "figure5b.svg" in by_options["files"] and "figure5a.svg" not in by_options["files"]
+    by_folder = document("report", folder, "--cache", cache_folder, *command[1:])
+    assert by_folder["folder"] == by_options["folder"] == str(folder)
+    for found in (by_options["files"], by_folder["files"]):
+        found.pop("report.html", None)  # names the command
+    assert by_folder["files"] == by_options["files"]
+    message = refused(2, *command, folder, "--cache", cache_folder, "--seed", 3)
+    assert "--seed: cannot be given with the results folder" in message
+    message = refused(2, *command, *where, "--policies", "greedy")
+    assert f"Run `fatplan benchmark {experiment} --policies greedy --cache" in message
+    assert "is not a results folder" in refused(2, *command, folder.parent, "--cache", cache_folder)
+
+
+def test_claims_of_a_restricted_grid_are_those_about_nothing_else(restricted: tuple[Path, list[object]]) -> None:
+    folder, grid = restricted
+    claims, file = yaml.safe_load((PAPER.parent / "paper_claims.yaml").read_text()), folder.parent / "two_claims.yaml"
+    own = {"place": "x", "quote": "y", "relation": "better_mean", "conditions": ["multiple_novice"], "n_cycles": [5]}
+    own |= {"policies": ["pomcp_0.1"], "others": ["greedy"]}
+    both = {"experiment": "paper.yaml", "claims": {**claims["claims"], "own": own}}
+    file.write_text(yaml.safe_dump(both, sort_keys=False))
+    by_folder = document("claims", file, folder)
+    assert [claim["claim"] for claim in by_folder["claims"]] == ["own"]
+    assert by_folder["left_out"] == list(claims["claims"])
+    assert document("claims", file, "--results", folder.parent, *grid) == by_folder
+    assert "Not judged, for they are about more than this grid: " in fatplan("claims", file, folder).stdout
+    file.write_text(yaml.safe_dump({"experiment": "paper.yaml", "claims": claims["claims"]}))
+    assert "every claim is about more than the grid" in refused(2, "claims", file, folder)
+
+
 @pytest.mark.slow
 def test_the_report_refuses_rows_of_no_cell(results: Path, cache_folder: Path, tmp_path: Path) -> None:
     folder = Path(shutil.copytree(results.parent, tmp_path / "results"))
@@ -202,30 +249,30 @@ def test_compare_says_what_differs(results: Path, cache_folder: Path, tmp_path: 
 def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
     """Every document has the hashes of what lies in the folder, or the rows of its tables."""
     where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
-    ran = document(BenchmarkRun, "benchmark", *where)
+    ran = document("benchmark", *where)
     assert ran["runs"] == len(pd.read_csv(results / "trials.csv")) and ran["regret"] is ran["bounds"] is None
     table = pd.read_csv(results / "comparison.csv")
     assert [row["mean"] for row in ran["comparison"]] == list(table["mean"])
     assert [row["p_value"] is None for row in ran["comparison"]] == list(table["p_value"].isna())
-    drawn = document(FilesOf, "figures", *where)
+    drawn = document("report", *where, "--figures-only")
     claims = results.parent / "paper_claims.yaml"
     shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
-    judged = document(JudgedClaims, "claims", claims, "--results", results.parent)
+    judged = document("claims", claims, "--results", results.parent)
     assert sum(judged["counts"].values()) == len(judged["claims"]) >= 22 and not judged["bounds"]
     assert judged["claims"][0]["quote"]
     for found in (ran, drawn, judged):
         assert found["files"]
         for name, digest in found["files"].items():
             assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
-    both = document(SideBySide, "compare", results, results)
+    both = document("compare", results, results)
     assert len(both["contrasts"]) == 63 and both["same_worlds"] and both["settings"] == {}
 
 
-@pytest.mark.parametrize("command", ["figures", pytest.param("report", marks=pytest.mark.slow)])
-def test_a_full_disk_leaves_what_was_there(results: Path, cache_folder: Path, command: str) -> None:
+@pytest.mark.parametrize("command", [FIGURES, pytest.param(["report"], marks=pytest.mark.slow)], ids="-".join)
+def test_a_full_disk_leaves_what_was_there(results: Path, cache_folder: Path, command: list[str]) -> None:
     before = {path.name: path.read_bytes() for path in results.iterdir() if path.is_file()}
     where = [results.parent / "paper.yaml", "--cache", cache_folder, "--results", results.parent]
-    done = finished(command, *where, begin=small_files)
+    done = finished(*command, *where, begin=small_files)
     assert done.returncode == 2 and done.stdout == "", done.stderr
     assert done.stderr.count("Error: ") == len(done.stderr.splitlines()) == 1 and "File too large" in done.stderr
     assert {name: (results / name).read_bytes() for name in before} == before

@@ -1,6 +1,6 @@
 """Ctrl-C and termination: once in good order, with what is kept and the command that goes on; twice at once."""
 
-import random
+import json
 import re
 import shlex
 import shutil
@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from commands import FATPLAN, finished, listens, process
 from conftest import PAPER, ROOT
+
+from fatigue_planner import __version__
 
 SIGNALS = [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
 ADVICE = re.compile(r"Stopped\. (?P<kept>.+) Go on with: (?P<command>fatplan .+)\n$")
@@ -85,23 +87,53 @@ def test_a_benchmark_stops_in_every_stage_and_ends_in_the_same_bytes(
     assert contents(results) == ended
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
-def test_a_benchmark_stopped_at_any_moment(cache_folder: Path, tmp_path: Path, seed: int) -> None:
-    rng = random.Random(seed)
-    grid = ["--cycles", "5", "--conditions", "single_novice", "--trials", "10", "--descents", "200", "--jobs", "2"]
-    command = ["benchmark", PAPER, "--cache", cache_folder, *grid, "--results", tmp_path]
-    for _ in range(5):
-        running = process(*command)
-        if listens(running):
-            time.sleep(rng.uniform(0, 6))
-        number, code = rng.choice(SIGNALS)
-        running.send_signal(number)
-        out, err = running.communicate(timeout=120)
-        assert (running.returncode == code and ADVICE.fullmatch(err.removeprefix(STOPPING))) or (
-            running.returncode in (0, -number) and out and not err
-        ), (running.returncode, err)
-    assert finished(*command).returncode == 0
+AT_EVERY_LINE = """
+import atexit, json, os, signal, sys, tempfile
+from fatigue_planner.cli import entry, main
+from fatigue_planner.core import interrupts
+
+lines, handled = 0, False
+
+def trace(frame, event, _):
+    global lines, handled
+    if frame.f_code.co_filename not in (entry.__file__, interrupts.__file__):
+        return None
+    if event == "line":
+        handled = handled or signal.SIG_DFL not in map(signal.getsignal, interrupts.STOPPING)
+        lines += handled
+        if lines == number > 0:
+            signal.raise_signal(signal.SIGTERM)
+    return trace
+
+number, last = 0, 1
+while number <= last:  # 0: none at a line, only at the end
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        child = os.fork()
+        if not child:
+            os.dup2(out.fileno(), 1), os.dup2(err.fileno(), 2)
+            sys.argv = ["fatplan", "--version"]
+            atexit.register(lambda: number or print(lines, file=sys.stderr) or signal.raise_signal(signal.SIGTERM))
+            sys.settrace(trace)
+            entry.run()
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        end = [code, *(file.seek(0) or file.read() for file in (out, err))]
+        if number == 0:
+            last = int(end.pop())
+        print(json.dumps(end))
+        number += 1
+"""
+
+
+def test_from_the_first_handler_to_the_last_line_a_signal_is_never_lost_and_never_kills() -> None:
+    """It comes at one line after another, and at last when Python leaves."""
+    done = subprocess.run([sys.executable, "-c", AT_EVERY_LINE], capture_output=True, text=True, check=True)
+    at_the_end, *ends = [json.loads(line) for line in done.stdout.splitlines()]
+    version = f"fatplan {__version__}\n"
+    assert at_the_end == [0, version]
+    stopped = [143, "Stopped. What is finished is kept. Go on with: fatplan --version\n"]
+    for number, (code, out, err) in enumerate(ends, start=1):
+        assert [code, err] == stopped or (code, out, err) == (0, version, ""), (number, code, out, err)
+    assert sum(code == 143 for code, *_ in ends) > 10
 
 
 def test_a_simulation_is_stopped_and_goes_on(tmp_path: Path) -> None:
@@ -124,6 +156,7 @@ def test_a_study_is_stopped_and_goes_on(tmp_path: Path) -> None:
     wait_for(running, tmp_path, "*.h5")
     assert re.fullmatch(r"[1-9]\d* of \d+ reactions are kept in .+", stopped(running, signal.SIGINT, 130))
     running = process(*command)
+    assert listens(running)  # before, while Python starts, no program can
     wait_for(running, tmp_path, "*.h5", 4)
     assert stopped(running, signal.SIGTERM, 143)
 
@@ -152,14 +185,14 @@ def test_twice_is_at_once(cache_folder: Path, tmp_path: Path) -> None:
 LOST = """
 import os, signal, sys, time
 from fatigue_planner.cli.entry import run
-import fatigue_planner.cli.validate as validate
+import fatigue_planner.core.yaml_reader as yaml_reader
 class Destructor:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)
 def work(*_):
     Destructor()
     time.sleep(30)
-validate.read_yaml = work
+yaml_reader.read_yaml = work
 run()
 """
 

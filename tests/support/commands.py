@@ -12,7 +12,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
 
-from fatigue_planner.cli.run_command import outcome
+from fatigue_planner.cli.entry import execute
 
 FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run()"]
 PLAIN = {"COLUMNS": "200", "NO_COLOR": "1"}
@@ -27,7 +27,7 @@ def fatplan(*arguments: object, cwd: Path | None = None) -> subprocess.Completed
         os.environ["COLUMNS"] = PLAIN["COLUMNS"]
         os.chdir(cwd or before)
         with redirect_stdout(out), redirect_stderr(err):
-            code = outcome(words)
+            code = execute(words)
     finally:
         os.chdir(before)
         os.environ.pop("COLUMNS")

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, TypeVar
 
 import cloudpickle
 
-from fatigue_planner.core.executors.interrupts import Interrupts
+from fatigue_planner.core.interrupts import Interrupts
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -8,8 +8,8 @@ from typing import Any, Self
 import pandas as pd
 from pydantic import BaseModel, model_validator
 
-from fatigue_planner.core.errors import DamagedFileError, StaleTableError
-from fatigue_planner.core.provenance import Note, check_intact, read_note
+from fatigue_planner.core.errors import DamagedFileError, MissingTableError, StaleTableError
+from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.settings import ReferenceSettings
@@ -17,6 +17,7 @@ from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, CELL, read_bounds
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.replay import Course, replay
+from fatigue_planner.study.benchmark.selection import Selection
 from fatigue_planner.study.benchmark.tables import (
     ACTIONS,
     ACTIONS_FILE,
@@ -29,6 +30,7 @@ from fatigue_planner.study.benchmark.tables import (
     read_table,
 )
 
+EXPERIMENT_FILE = "experiment.yaml"
 # Settings that the tables do not depend on.
 NOT_IN_THE_TABLES = ("figures", "statistics")
 
@@ -49,9 +51,13 @@ class NotedExperiment(BaseModel):
 
 
 class BenchmarkNote(Note):
-    """What `fatplan benchmark` notes: the experiment as plain values, seed, and the references of the regret."""
+    """What `fatplan benchmark` notes: the experiment as plain values, seed, and the references of the regret.
+
+    selection: what the options asked of the experiment's file, whose copy is EXPERIMENT_FILE.
+    """
 
     experiment: dict[str, Any]
+    selection: Selection
     seed: int
     references: dict[str, ReferenceSettings]
 
@@ -83,7 +89,7 @@ class Results:
 
 
 def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
-    """The tables of an experiment's whole grid; `command` makes them, for the messages.
+    """The tables of an experiment's grid; `command` makes them, for the messages.
 
     Raises MissingTableError if there are none; StaleTableError if they were made with other settings, with what
     differs; DamagedFileError, naming them, for rows that stand twice, are missing or belong to no cell of the grid,
@@ -110,6 +116,19 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     for file in (TRIALS_FILE, ACTIONS_FILE, *(file for file in there if there[file])):
         check_intact(folder, note, file, command)
     return Results(trials, actions, regret, bounds, note)
+
+
+def load_source(folder: Path, command: str) -> tuple[Path, Selection]:
+    """The experiment file that a results folder was made of, which lies in it, and what the options asked of it.
+
+    Raises MissingTableError if `command`, a benchmark, has not written there; DamagedFileError if it is not what was
+    written.
+    """
+    if not (folder / MANIFEST_FILE).exists():
+        raise MissingTableError(f"{folder}: is not a results folder, for it has no {MANIFEST_FILE}. Run `{command}`.")
+    note = read_note(folder, "benchmark", BenchmarkNote, command)
+    check_intact(folder, note, EXPERIMENT_FILE, command)
+    return folder / EXPERIMENT_FILE, note.selection
 
 
 def load_folder(folder: Path) -> tuple[BenchmarkNote, pd.DataFrame]:

@@ -1,8 +1,8 @@
 """What a command asks of an experiment's grid, and the cells it comes to."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import asdict, dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -25,24 +25,28 @@ MAX_SUFFIX_LENGTH = 120  # file systems end at 255
 
 @dataclass(frozen=True)
 class Selection:
-    """What the options ask of the grid; None leaves it as it is in the file."""
+    """What the options ask of the grid; None, or an empty list, leaves it as it is in the file."""
 
-    cycles: Sequence[int] | None
-    conditions: Sequence[str] | None
-    policies: Sequence[str] | None
-    trials: int | None
-    descents: int | None
-    seed: int | None
+    cycles: Sequence[int] | None = None
+    conditions: Sequence[str] | None = None
+    policies: Sequence[str] | None = None
+    trials: int | None = None
+    descents: int | None = None
+    seed: int | None = None
+
+    def asked(self) -> dict[str, list[str]]:
+        """What is asked for, by the name of its option; of a list every item once, in order."""
+        found = {}
+        for name, value in asdict(self).items():
+            if isinstance(value, int):
+                found[name] = [str(value)]
+            elif value:
+                found[name] = sorted(set(map(str, value)))
+        return found
 
     def suffix(self) -> str:
         """How a changed grid's results folder differs in name, e.g. `_cycles-100_trials-3`."""
-        lists: dict[str, Sequence[object] | None] = {
-            "cycles": self.cycles, "conditions": self.conditions, "policies": self.policies
-        }  # fmt: skip
-        numbers = {"trials": self.trials, "descents": self.descents, "seed": self.seed}
-        parts = [f"_{name}-{'+'.join(sorted(set(map(str, items))))}" for name, items in lists.items() if items]
-        parts += [f"_{name}-{number}" for name, number in numbers.items() if number is not None]
-        suffix = "".join(parts)
+        suffix = "".join(f"_{name}-{'+'.join(values)}" for name, values in self.asked().items())
         return suffix if len(suffix) <= MAX_SUFFIX_LENGTH else f"_selection-{digest_of(suffix)[:DIGEST_LENGTH]}"
 
 
@@ -61,9 +65,12 @@ def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> lis
 
 
 def selected(experiment: Experiment, wanted: Selection) -> Experiment:
-    """The experiment with the grid that is asked for. Raises SelectionError for unknown names."""
+    """The experiment with the grid that is asked for, and the figures of its conditions.
+
+    Raises SelectionError for unknown names.
+    """
     grid = experiment.benchmark
-    changes = {
+    changes: dict[str, Any] = {
         "n_cycles": tuple(choose("cycles", grid.n_cycles, wanted.cycles)),
         "conditions": {
             name: grid.conditions[name] for name in choose("conditions", list(grid.conditions), wanted.conditions)
@@ -75,7 +82,12 @@ def selected(experiment: Experiment, wanted: Selection) -> Experiment:
         "trials": wanted.trials or grid.trials,
         "seed": grid.seed if wanted.seed is None else wanted.seed,
     }
-    return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes)})
+    kept = {
+        name: tuple(condition for condition in conditions if condition in changes["conditions"])
+        for name, conditions in experiment.figures.items()
+    }
+    figures = {name: conditions for name, conditions in kept.items() if conditions}
+    return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes), "figures": figures})
 
 
 def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettings:

@@ -10,7 +10,7 @@ from fatigue_planner.core.errors import ClaimsError, listed, shortened
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.schema import Benchmark, Experiment
 from fatigue_planner.study.claims.relations.registry import RELATIONS
 from fatigue_planner.study.claims.schema import Claim, ClaimsFile
 
@@ -22,6 +22,16 @@ class Claims:
     claims: dict[str, Claim]
     experiment: Experiment
     experiment_file: Path
+
+    def about(self, grid: Benchmark) -> dict[str, Claim]:
+        """The claims that speak only of conditions, numbers of cycles and policies that a grid has."""
+        return {
+            name: claim
+            for name, claim in self.claims.items()
+            if grid.conditions.keys() >= set(claim.conditions)
+            and set(grid.n_cycles) >= set(claim.n_cycles)
+            and grid.policies.keys() >= {*claim.policies, *claim.others}
+        }
 
 
 def load_claims(path: Path) -> Claims:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import versions
-from fatigue_planner.output.reports.html.blocks import Points, Section
+from fatigue_planner.output.reports.html.blocks import Points, Section, counted
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
@@ -20,7 +20,7 @@ from fatigue_planner.output.reports.results.sections.returns import returns_sect
 from fatigue_planner.output.reports.results.sections.sensitivity import sensitivity_section
 from fatigue_planner.output.reports.results.sections.settings import settings_section
 from fatigue_planner.output.reports.study.finished import FinishedStudy
-from fatigue_planner.study.claims.evaluation import Evaluation, evaluate
+from fatigue_planner.study.claims.evaluation import evaluate
 from fatigue_planner.study.claims.loader import load_claims
 
 
@@ -35,9 +35,18 @@ def report(
     found, claims = findings(report_data), None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
     if claims_file.exists():
-        judged = evaluate_claims(report_data, claims_file, file)
-        claims = claims_section(judged, claims_file, figures)
-        found.append(claims_sentence(judged))
+        loaded = load_claims(claims_file)
+        if loaded.experiment_file.resolve() != file.resolve():
+            raise ClaimsError(f"{claims_file}: experiment: is {loaded.experiment_file}; should be {file.name}.")
+        about = loaded.about(report_data.experiment.benchmark)
+        if about:
+            results, statistics = report_data.results, report_data.experiment.statistics
+            seed = report_data.experiment.benchmark.seed
+            judged = evaluate(about, results.trials, statistics, seed, results.bounds)
+            claims = claims_section(judged, claims_file, figures)
+            found.append(claims_sentence(judged))
+        if left_out := len(loaded.claims) - len(about):
+            found.append(f"{counted(left_out, 'claim')} of `{claims_file.name}` not judged: about more than this grid.")
     if study is not None:
         found.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
     sections: list[Section | None] = [
@@ -58,12 +67,3 @@ def report(
         [Points(found)],
         [section for section in sections if section is not None],
     )
-
-
-def evaluate_claims(report_data: ReportData, file: Path, experiment_file: Path) -> Evaluation:
-    """The claims of a file, judged by the tables. Raises ClaimsError if they are about another experiment."""
-    loaded = load_claims(file)
-    if loaded.experiment_file.resolve() != experiment_file.resolve():
-        raise ClaimsError(f"{file}: experiment: is {loaded.experiment_file}; should be {experiment_file.name}.")
-    statistics, seed = report_data.experiment.statistics, report_data.experiment.benchmark.seed
-    return evaluate(loaded.claims, report_data.results.trials, statistics, seed, report_data.results.bounds)
