@@ -22,7 +22,6 @@ release = __version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 exclude_patterns = ["generated/*.md", "build"]
-myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 suppress_warnings = ["myst.header"]  # pages that include another one begin below its title
 

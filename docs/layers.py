@@ -10,8 +10,8 @@ WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN = 140, 34, 32, 32, 12
 STYLE = """
   rect { fill: #eef3f8; stroke: #4c6a88; }
   text { fill: #16324f; font: 15px sans-serif; text-anchor: middle; dominant-baseline: central; }
-  path { fill: none; stroke: #7d8fa3; stroke-width: 1.4; marker-end: url(#tip); }
-  marker path { fill: #7d8fa3; stroke: none; }
+  .arrow { fill: none; stroke: #7d8fa3; stroke-width: 1.4; marker-end: url(#tip); }
+  .tip { fill: #7d8fa3; }
 """
 
 
@@ -72,8 +72,11 @@ def picture() -> str:
         for below in sorted(named):
             x0, x1 = left[room] + WIDTH / 2, left[below] + WIDTH / 2
             y0, y1 = top[room] + HEIGHT, top[below] - 2
-            bend = (y0 + y1) / 2
-            lines.append(f'<path d="M{x0:g} {y0:g} C{x0:g} {bend:g} {x1:g} {bend:g} {x1:g} {y1:g}"/>')
+            middle = (y0 + y1) / 2
+            bends = f"{x0:g} {middle:g} {x1:g} {middle:g}"
+            if y1 - y0 > HEIGHT + GAP_Y:  # past other floors: go aside first, so as not to cross their rooms
+                bends = f"{x1:g} {y0 + 6:g} {x1:g} {y1 - GAP_Y:g}"
+            lines.append(f'<path class="arrow" d="M{x0:g} {y0:g} C{bends} {x1:g} {y1:g}"/>')
     for room in sorted(graph):
         x, y = left[room], top[room]
         lines.append(f'<rect x="{x:g}" y="{y:g}" width="{WIDTH}" height="{HEIGHT}" rx="6"/>')
@@ -82,7 +85,7 @@ def picture() -> str:
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}" height="{height:g}" '
         f'viewBox="0 0 {width:g} {height:g}">\n<style>{STYLE}</style>\n'
-        f'<defs>{tip}<path d="M0 0 L8 4 L0 8 z"/></marker></defs>\n' + "\n".join(lines) + "\n</svg>\n"
+        f'<defs>{tip}<path class="tip" d="M0 0 L8 4 L0 8 z"/></marker></defs>\n' + "\n".join(lines) + "\n</svg>\n"
     )
 
 
