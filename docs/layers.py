@@ -17,11 +17,12 @@ STYLE = """
 
 def imports_between_rooms() -> dict[str, set[str]]:
     """The rooms that each room imports from, wherever in a file the import stands."""
-    rooms = {folder.name for folder in PACKAGE.iterdir() if (folder / "__init__.py").exists()}
+    rooms = {path.stem for path in PACKAGE.iterdir() if path.suffix == ".py" or (path / "__init__.py").exists()}
+    rooms -= {"__init__", "__main__"}
     graph: dict[str, set[str]] = {}
     for room in sorted(rooms):
         graph[room] = set()
-        for file in (PACKAGE / room).rglob("*.py"):
+        for file in [*PACKAGE.glob(f"{room}.py"), *(PACKAGE / room).rglob("*.py")]:
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
                 if isinstance(node, ast.ImportFrom) and node.module == PACKAGE.name:
                     graph[room] |= {alias.name for alias in node.names}
