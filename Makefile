@@ -9,13 +9,14 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14 p
 
 EXPERIMENT ?= experiments/paper.yaml
 
-.PHONY: help install paper-figures lint test test-all bench clean
+.PHONY: help install paper-figures lint test test-all docs bench clean
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make paper-figures  set up, simulate, run the paper's grid; report, figures and tables in results/paper"
 	@echo "make test           lint, types and tests (under 5 minutes on 2 cores)"
 	@echo "make test-all       the same with the slow tests"
+	@echo "make docs           build the documentation: docs/build/index.html"
 	@echo "make bench          measure speed as ratios, also to placo, C++ and pomdp-py (set up in the user's cache)"
 	@echo "make install        set up only; then: $(BIN)/fatplan --help"
 	@echo "make clean          remove the virtual environment"
@@ -47,6 +48,11 @@ test: lint
 
 test-all: lint
 	$(BIN)/pytest -m ''
+
+# Offline once it is set up; every warning (a dead link, a missing name) is an error.
+docs: $(VENV)/.development
+	$(BIN)/sphinx-build --fail-on-warning --keep-going --fresh-env --quiet docs docs/build
+	@echo "docs/build/index.html"
 
 bench: $(VENV)/.development
 	$(BIN)/python perf/speed.py

@@ -7,7 +7,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from conftest import ROOT
-from snippets import block
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.experiment.build import reaction_requests
@@ -356,32 +355,6 @@ def fault(tmp_path: Path, source: str, old: str, new: str) -> str:
 )  # fmt: skip
 def test_mistakes_are_named(tmp_path: Path, source: str, old: str, new: str, expected: str) -> None:
     assert expected in fault(tmp_path, source, old, new)
-
-
-def test_the_docs_actions_are_understood(tmp_path: Path) -> None:
-    text = (EXPERIMENTS / "paper.yaml").read_text()
-    path = tmp_path / "mine.yaml"
-    actions = block("your-own.md", "## … worker, action", "yaml")
-    path.write_text(text[: text.index("actions:")] + actions + text[text.index("preferences:") :])
-    experiment = load_experiment(path)
-    assert list(experiment.actions)[:3] == ["hold", "rack_x0.3_z0.9", "rack_x0.3_z1.2"] and len(experiment.actions) == 8
-    request = reaction_requests(experiment)[-1].motion
-    quality = measure(request, simulate(request))
-    assert quality.faults(experiment.accuracy.model_copy(update={"hand_error_m": 0.03})) == []
-
-
-def test_the_docs_kind_of_task_works(paper: Experiment) -> None:
-    """The example of a new kind keeps the head at its height in a whole motion."""
-    import typing
-
-    import fatigue_planner.motion.tasks.segment_position as example
-
-    names = vars(typing) | vars(example)
-    exec(block("your-own.md", "## … kind of task", "python"), names)
-    task = names["HeadHeight"].model_validate({"kind": "head_height", "weight": 1000, "height_m": 1.4}, strict=True)
-    request = reaction_requests(paper)[0].motion
-    motion = simulate(replace(request, preference=Preference.model_construct(tasks=(task,))))
-    assert places(request, motion, "head", motion.phase("work").stop - 1).translation[2] == pytest.approx(1.4, abs=0.01)
 
 
 def test_who_is_pushed_leans_against_it(request_: MotionRequest, paper: Experiment) -> None:

@@ -460,19 +460,6 @@ def test_exact_belief_where_it_cannot_be(tmp_path: Path, values: str, expected: 
     assert "belief.kind: exact can hold 1000 workers, in hidden_workers.someone " + expected in str(caught.value)
 
 
-def test_the_docs_hidden_worker_is_understood(tmp_path: Path) -> None:
-    from snippets import block
-
-    hidden, _ = block("your-own.md", "## … worker of whom", "yaml").split("benchmark:")
-    seen = block("your-own.md", "## … reactions recognised", "yaml")
-    path = tmp_path / "mine.yaml"
-    text = PAPER.read_text().replace("discount: 0.95 ", hidden + seen + "discount: 0.95 ")
-    path.write_text(text.replace(NOVICE, SOMEONE.replace("someone", "newcomer")))
-    experiment = load_experiment(path)
-    assert WorkerPrior(experiment.hidden_workers["newcomer"], None).hidden() == [0, 1, 2]
-    assert experiment.recognised()[0] == ("arm", "back", "unclear")
-
-
 # --- runs ----------------------------------------------------------------------------------------------------------
 
 

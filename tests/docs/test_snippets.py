@@ -1,0 +1,299 @@
+"""What the README and the documentation show is true: their snippets run, the files and names they mention exist.
+
+A comment before a snippet says how it is treated: `<!-- test: file NAME -->` keeps it as a file for what follows,
+`<!-- test: not run, REASON -->` only lets its syntax be checked.
+"""
+
+import ast
+import importlib
+import re
+import runpy
+import shlex
+import shutil
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pinocchio as pin
+import pytest
+import typer
+import yaml
+from commands import fatplan
+from conftest import PAPER, ROOT
+from markdown_it import MarkdownIt
+
+from fatigue_planner.cli.main import app
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.human.model import build_human
+from fatigue_planner.human.strength_sets import load_strengths
+from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.motion.simulator import simulate
+from fatigue_planner.motion.tasks.registry import Preference
+from fatigue_planner.motion.verification import measure
+from fatigue_planner.study.claims.loader import load_claims
+
+GENERATED = {"human.md"}  # by `fatplan human report`
+PAGES = sorted({ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")})
+PAGES = [page for page in PAGES if page.name not in GENERATED]
+LANGUAGES = {"python", "yaml", "console", "sh", "text"}
+# What commands start with besides fatplan, python and make.
+OTHER_PROGRAMS = {"pip", "dask", "openssl", "mkdir", "chmod", "cd", "cp", "python3", "jq"}
+# Commands that need a few seconds at most and change nothing outside their folder.
+QUICK = {"validate", "schema"}
+
+
+@dataclass(frozen=True)
+class Snippet:
+    """A block of code of a page; `line` is the number of its first line."""
+
+    language: str
+    text: str
+    line: int
+    note: str
+
+    @property
+    def not_run(self) -> bool:
+        return self.note.startswith("not run")
+
+    @property
+    def file(self) -> str | None:
+        return self.note.removeprefix("file ") if self.note.startswith("file ") else None
+
+
+@cache
+def snippets(page: Path) -> list[Snippet]:
+    found, note = [], ""
+    for token in MarkdownIt().enable("table").parse(page.read_text(encoding="utf-8")):
+        if token.type == "html_block":
+            comment = re.fullmatch(r"<!-- test: (.*) -->", token.content.strip())
+            note = comment[1] if comment else note
+        elif token.type in {"fence", "code_block"}:
+            assert token.map is not None
+            if not token.info.startswith("{"):  # a directive of the site
+                found.append(Snippet(token.info, token.content, token.map[0] + 2, note))
+            note = ""
+    return found
+
+
+def with_language(*languages: str) -> list[Path]:
+    return [page for page in PAGES if any(snippet.language in languages for snippet in snippets(page))]
+
+
+def names(pages: list[Path]) -> Any:
+    return pytest.mark.parametrize("page", pages, ids=[str(page.relative_to(ROOT)) for page in pages])
+
+
+@names(PAGES)
+def test_every_snippet_says_what_it_is(page: Path) -> None:
+    assert {snippet.language for snippet in snippets(page)} <= LANGUAGES
+
+
+# --- Python ----------------------------------------------------------------------------------------------------------
+
+
+def run_python(page: Path, folder: Path) -> dict[str, Any]:
+    """Run the Python of a page as one module whose lines have the page's numbers; what it defines."""
+    lines: list[str] = []
+    for snippet in snippets(page):
+        if snippet.language == "python":
+            ast.parse(snippet.text)
+            if not snippet.not_run:
+                lines += [""] * (snippet.line - 1 - len(lines)) + snippet.text.splitlines()
+    module = folder / f"{page.stem}.py"
+    module.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return runpy.run_path(str(module))
+
+
+@names(with_language("python"))
+def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(ROOT / "experiments", tmp_path / "experiments")
+    monkeypatch.chdir(tmp_path)
+    run_python(page, tmp_path)
+
+
+def test_the_kind_of_task_shown_keeps_the_head_at_its_height(tmp_path: Path) -> None:
+    head_height = run_python(ROOT / "docs" / "plugins.md", tmp_path)["HeadHeight"]
+    task = head_height.model_validate({"kind": "head_height", "weight": 1000, "height_m": 1.4}, strict=True)
+    request = reaction_requests(load_experiment(PAPER))[0].motion
+    short = Cycle(reach_s=2.0, work_s=1.0, return_s=2.0)
+    motion = simulate(replace(request, cycle=short, preference=Preference.model_construct(tasks=(task,))))
+    human = build_human(request.worker)
+    data = human.model.createData()
+    pin.framesForwardKinematics(human.model, data, motion.configuration[motion.phase("work").stop - 1])
+    assert data.oMf[human.model.getFrameId("head")].translation[2] == pytest.approx(1.4, abs=0.01)
+
+
+# --- YAML ------------------------------------------------------------------------------------------------------------
+
+# Sections of which a fragment may give some keys; it replaces the others whole.
+MERGED = {"benchmark", "cycle", "controller", "fatigue", "statistics"}
+
+
+def as_experiment(fragment: dict[str, Any], path: Path) -> Path:
+    """The paper's experiment with the sections of a fragment, as a file."""
+    content = yaml.safe_load(PAPER.read_text(encoding="utf-8"))
+    if "conditions" in fragment.get("benchmark", {}) or "policies" in fragment.get("benchmark", {}):
+        content["statistics"].pop("families")
+        content["figures"] = {}
+    for section, value in fragment.items():
+        content[section] = content[section] | value if section in MERGED else value
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding="utf-8")
+    return path
+
+
+def understand(text: str, path: Path) -> None:
+    """Load what a block shows with what reads it, which raises if it does not understand it."""
+    content = yaml.safe_load(text)
+    if "distributed" in content:  # Dask's settings
+        assert content["distributed"]["comm"]["require-encryption"] is True
+    elif "population" in content:
+        path.write_text(text, encoding="utf-8")
+        load_strengths(str(path))
+    elif "claims" in content:
+        path.write_text(text, encoding="utf-8")
+        shutil.copy(PAPER, path.parent)
+        load_claims(path)
+    else:
+        load_experiment(as_experiment(content, path))
+
+
+@names(with_language("yaml"))
+def test_the_yaml_of_a_page_is_understood(page: Path, tmp_path: Path) -> None:
+    for snippet in snippets(page):
+        if snippet.language == "yaml":
+            understand(snippet.text, tmp_path / f"line_{snippet.line}.yaml")
+
+
+def test_the_actions_shown_can_be_performed(tmp_path: Path) -> None:
+    block = next(snippet for snippet in snippets(ROOT / "docs" / "tasks.md") if "actions:" in snippet.text)
+    experiment = load_experiment(as_experiment(yaml.safe_load(block.text), tmp_path / "mine.yaml"))
+    assert list(experiment.actions)[:3] == ["hold", "rack_x0.3_z0.9", "rack_x0.3_z1.2"] and len(experiment.actions) == 8
+    request = reaction_requests(experiment)[-1].motion
+    quality = measure(request, simulate(request))
+    assert quality.faults(experiment.accuracy.model_copy(update={"hand_error_m": 0.03})) == []
+
+
+# --- commands --------------------------------------------------------------------------------------------------------
+
+
+def commands_of(snippet: Snippet) -> list[list[str]]:
+    """The commands of a block: the lines after a prompt, or all of them, without their output and comments."""
+    text = snippet.text.replace("\\\n", " ")
+    lines = text.splitlines()
+    if snippet.language == "console":
+        lines = [line.removeprefix("$ ") for line in lines if line.startswith("$ ")]
+    found = []
+    for line in lines:
+        lexer = shlex.shlex(line, posix=True, punctuation_chars="|&")
+        lexer.whitespace_split, lexer.commenters = True, "#"
+        words: list[str] = []
+        for word in [*lexer, "|"]:
+            if word.strip("|&"):
+                words.append(word)
+            elif words:
+                found.append(words)
+                words = []
+    return found
+
+
+def check_fatplan(words: list[str]) -> None:
+    """Let the command line parse the words, without doing what they say. Raises what it raises."""
+    command: Any = typer.main.get_command(app)
+    context = None
+    try:
+        while True:
+            context = command.make_context(words[0] if context else "fatplan", words[bool(context) :], parent=context)
+            words = [*getattr(context, "_protected_args", []), *context.args]
+            command = getattr(context.command, "commands", {}).get(words[0] if words else "")
+            if command is None:
+                assert not hasattr(context.command, "commands"), f"no such command: {words}"
+                return
+    except typer.Exit:  # --version, --help
+        pass
+
+
+def targets() -> set[str]:
+    return set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.M))
+
+
+@names(with_language("console", "sh"))
+def test_the_commands_of_a_page_are_understood(page: Path, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "experiments", tmp_path / "experiments")
+    for snippet in snippets(page):
+        if snippet.file:
+            as_experiment(yaml.safe_load(snippet.text), tmp_path / snippet.file)
+        if snippet.language not in {"console", "sh"}:
+            continue
+        for program, *words in commands_of(snippet):
+            if program == "fatplan":
+                check_fatplan(words)
+                if words[0] in QUICK and all((tmp_path / word).exists() for word in words[1:]):
+                    done = fatplan(*words, cwd=tmp_path)
+                    assert done.returncode == 0, done.stderr
+            elif program in {"make", "python"}:
+                known = targets() | {str(file.relative_to(ROOT)) for file in ROOT.glob("*/*.py")}
+                assert words[0] in known, f"{page.name}: {program} {words[0]}"
+            else:
+                assert Path(program).name in OTHER_PROGRAMS or program == ".", f"{page.name}: {program}"
+
+
+@pytest.mark.slow
+def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
+    """Every command of fatplan in it, one after the other, in a folder of its own."""
+    shutil.copytree(ROOT / "experiments", tmp_path / "experiments")
+    ran = []
+    for snippet in snippets(ROOT / "docs" / "tutorial.md"):
+        if snippet.file:
+            as_experiment(yaml.safe_load(snippet.text), tmp_path / snippet.file)
+        if snippet.language == "console" and not snippet.not_run:
+            for program, *words in commands_of(snippet):
+                if program == "fatplan":
+                    done = fatplan(*words, cwd=tmp_path)
+                    assert done.returncode == 0, done.stderr
+                    ran.append(words[0])
+    assert {"doctor", "simulate", "view", "benchmark", "validate"} <= set(ran)
+    assert (tmp_path / "motions.html").stat().st_size > 100_000 and (tmp_path / "results").exists()
+
+
+# --- names -----------------------------------------------------------------------------------------------------------
+
+FOLDERS = ("fatigue_planner/", "tests/", "experiments/", "examples/", "perf/", "docs/")
+
+
+@names(PAGES)
+def test_the_files_and_modules_a_page_mentions_exist(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    tests = {file.name for file in (ROOT / "tests").rglob("test_*.py")}
+    for word in re.findall(r"`([^`\s]+)`", text):
+        if word.startswith(FOLDERS):
+            assert (ROOT / word).exists(), word
+        elif re.fullmatch(r"test_\w+\.py", word):
+            assert word in tests, word
+        elif re.fullmatch(r"fatigue_planner(\.[a-z_]+)+", word):
+            importlib.import_module(word)
+    if page.parent == ROOT:  # the site's build checks the links of the others
+        for link in re.findall(r"\]\((?!https?:)([^)#]+)", text):
+            assert (ROOT / link).exists(), link
+
+
+def test_the_glossary_names_what_is_there() -> None:
+    """Each `name`, in the `room/file.py` of its part of the cell if one is given, else anywhere in the package."""
+    package = ROOT / "fatigue_planner"
+    texts = {str(file.relative_to(package)): file.read_text(encoding="utf-8") for file in package.rglob("*.py")}
+    everything = "".join(texts.values())
+    rows = re.findall(r"^\| .* \| (.+?) \| .+ \|$", (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8"), re.M)
+    parts = [part for row in rows if row != "fatplan" for part in row.split(";")]
+    assert len(parts) >= 60
+    for part in parts:
+        words = re.findall(r"`([^`]+)`", part)
+        files = [word for word in words if word.endswith(".py")]
+        assert all(file in texts for file in files), part
+        text = texts[files[0]] if files else everything
+        for name in set(words) - set(files):
+            assert re.search(rf"\b{re.escape(name)}\b", text), part
+
+
+def test_the_readme_fits_one_screen() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").split()) <= 350
