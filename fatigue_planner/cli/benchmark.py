@@ -30,8 +30,8 @@ from fatigue_planner.experiment.build import load_cycle_profiles, reaction_reque
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.output.reports.html.blocks import counted
+from fatigue_planner.planners.lookahead import ReferenceSettings
 from fatigue_planner.planners.reference import describe
-from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
 from fatigue_planner.study.benchmark.cell import Cell

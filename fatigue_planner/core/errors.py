@@ -103,6 +103,10 @@ class LostClusterError(FatplanError):
     exit_code = ExitCode.FAILED_PARTS
 
 
+class PluginError(FatplanError):
+    """A plug-in cannot be loaded, or registers something that cannot be registered."""
+
+
 class MissingExtraError(FatplanError):
     """What was asked for needs libraries that are not installed by default."""
 

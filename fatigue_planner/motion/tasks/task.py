@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
@@ -38,6 +39,7 @@ class Task(ABC):
 class PreferenceTask(Settings):
     """A task of a motion preference as it stands in an experiment file; every kind adds its own keys."""
 
+    kind: str
     weight: Positive
     during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
 
@@ -47,6 +49,9 @@ class PreferenceTask(Settings):
 
         Raises DataFileError for names or angles the human does not have.
         """
+
+
+TASKS = Registry("motion task", PreferenceTask)  # type: ignore[type-abstract]
 
 
 class Coordinates(Settings):
