@@ -89,6 +89,15 @@ def register(kind: T) -> T:
     """Class decorator of a plug-in: add a kind of policy, belief or motion task, by what it is derived from.
 
     Raises PluginError if it is none of these, has no name, or that of another kind.
+
+    >>> from typing import Literal
+    >>> @fp.register
+    ... class FirstSettings(fp.PolicySettings):
+    ...     kind: Literal["first"]
+    ...     def build(self):
+    ...         return fp.policy("greedy").build()
+    >>> fp.policy("first").kind
+    'first'
     """
     found = next((registry for registry in _REGISTRIES if issubclass(kind, registry.base)), None)
     if found is None:
@@ -102,6 +111,10 @@ def load_plugin(file: Path | str) -> ModuleType:
     """Load a file as plug-in: what it registers can be named in experiments. Loading it again takes its present text.
 
     Raises PluginError if it cannot be loaded.
+
+    >>> _ = fp.load_plugin(examples / "own_policy.py")
+    >>> fp.policy({"kind": "stubborn", "cycles": 3}).cycles
+    3
     """
     path = Path(file)
     try:

@@ -70,7 +70,11 @@ class Benchmark(Settings):
 
 
 class Experiment(Settings):
-    """Everything that defines an experiment."""
+    """Everything that defines an experiment.
+
+    >>> isinstance(experiment, fp.Experiment), list(experiment.preferences)
+    (True, ['arm', 'back'])
+    """
 
     name: Name
     workers: dict[Name, Worker] = Field(min_length=1, max_length=50)

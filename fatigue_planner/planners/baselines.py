@@ -62,9 +62,15 @@ class AlternatingSettings(PolicySettings):
 class GreedyPolicy(Policy):
     """The action with the lowest expected fatigue cost after one cycle; the first of equals."""
 
+    def __init__(self) -> None:
+        self._checked = False
+
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
         begin = time.perf_counter()
+        if not self._checked:
+            belief.model.check_probabilities(belief.states)
+            self._checked = True
         values = belief.expected_rewards()
         duration_s = time.perf_counter() - begin
         return plain_decision(int(values.argmax()), values, 1, duration_s, "best expected reward of one cycle", belief)

@@ -55,6 +55,8 @@ class LookaheadPolicy(Policy):
         """The return of every action, followed by the best ones, (A,)."""
         settings, model = self.settings, belief.model
         if model is not self._model:
+            if self._model is None:
+                model.check_probabilities(belief.states)
             self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
         count, width = belief.states.shape
         if self._levels is None or self._levels.begin[1] != count:

@@ -25,6 +25,11 @@ class Decision:
     depth: cycles looked ahead
     duration_s: wall-clock time of the decision
     reason: in words, why this action
+
+    >>> belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+    >>> decision = fp.policy("greedy").build().act(belief, np.random.default_rng(0))
+    >>> isinstance(decision, fp.Decision), scenario.model.actions[decision.action] in ("high", "low")
+    (True, True)
     """
 
     action: int
@@ -36,7 +41,14 @@ class Decision:
 
 
 class Policy(ABC):
-    """A policy for one run of the task; a new one is made for every run."""
+    """A policy for one run of the task; a new one is made for every run.
+
+    >>> class Always(fp.Policy):
+    ...     def act(self, belief, rng):
+    ...         return fp.Decision(1, np.zeros(2), np.zeros(2, int), 0, 0.0, "always the second")
+    >>> fp.run(scenario, Always(), n_cycles=2).cycles["action"].tolist()
+    ['low', 'low']
+    """
 
     # Whether the policy's own random draws can change its choices in a problem without chance.
     draws_at_random = False
@@ -54,6 +66,9 @@ class PolicySettings(Settings):
 
     knows: what the policy knows of a worker with hidden parameters. prior: their distribution; average: it takes the
         average worker for the true one; truth: it knows the worker.
+
+    >>> isinstance(experiment.benchmark.policies["greedy"], fp.PolicySettings)
+    True
     """
 
     kind: str

@@ -26,7 +26,11 @@ Knowledge = Literal["prior", "average", "truth"]
 class Scenario:
     """The model holds the average worker; states (n, L) and weights (n,) are where he may start.
 
-    prior: the distribution of the worker, None where he is known; belief: how beliefs are kept.
+    prior: the distribution of the worker, None where the worker is known; belief: how beliefs are kept; name: of the
+    condition, by which random numbers are drawn.
+
+    >>> isinstance(scenario, fp.Scenario), scenario.leaves_nothing_to_chance()
+    (True, False)
     """
 
     model: FatiguePomdp
@@ -34,6 +38,7 @@ class Scenario:
     weights: Vector
     prior: WorkerPrior | None
     belief: BeliefSettings
+    name: str = ""
 
     def worker(self, uniforms: Vector) -> FatiguePomdp:
         """The world with the worker that three draws from [0, 1) stand for."""

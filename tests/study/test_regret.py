@@ -101,7 +101,7 @@ def test_the_judge_believes_what_the_policy_could(scenarios: dict[str, Scenario]
     for cycle, action in enumerate(result.actions):
         values = LookaheadPolicy(REFERENCE).values(belief, rng)
         losses.append(values.max() - values[action])
-        state, _, seen = cycle_of(one.model, state, action, world, cycle)
+        state, _, _, seen = cycle_of(one.model, state, action, world, cycle)
         belief = belief.update(action, seen, rng)
     regret = RegretJob(runs, REFERENCE, {1: result.actions}).run([1])[1]
     assert regret.decision_loss == pytest.approx(np.mean(losses), rel=1e-9) and max(losses) > 0

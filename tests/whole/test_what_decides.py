@@ -281,7 +281,8 @@ MAKERS = {
     "reactions": (("motion.simulator", "motion.verification"), reaction.SOURCES, WITHOUT_A_PART, BODY_DATA),
     "cells": (("study.benchmark.cell", "planners.registry"), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
-        ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES), WITHOUT_A_PART | ONLY_NAMES, set()
+        ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES),
+        WITHOUT_A_PART | ONLY_NAMES, set(),
     ),
     "bounds": (("planners.bounds.cost_bound",), bounds.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
 }  # fmt: skip

@@ -23,7 +23,12 @@ Matrix = NDArray[np.float64]
 
 
 class Task(ABC):
-    """One term of the objective: `rows` equations of a weight."""
+    """One term of the objective: `rows` equations of a weight.
+
+    >>> import own_motion_task  # examples/own_motion_task.py
+    >>> issubclass(own_motion_task.HeadHeightTask, fp.Task)
+    True
+    """
 
     def __init__(self, rows: int, weight: float, stiffness: float) -> None:
         self.rows = rows
@@ -37,7 +42,11 @@ class Task(ABC):
 
 
 class PreferenceTask(Settings):
-    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys."""
+    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys.
+
+    >>> [task.kind for task in experiment.preferences["arm"].tasks]
+    ['segment_upright']
+    """
 
     kind: str
     weight: Positive

@@ -79,6 +79,7 @@ class PomcpPolicy(Policy):
         settings, model = self.settings, belief.model
         if model is not self._model:
             if self._model is None or not _alike(model, self._model):
+                model.check_probabilities(belief.states)
                 self._tree = self._spare = self._workspace = None
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)

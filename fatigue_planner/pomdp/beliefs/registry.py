@@ -25,7 +25,11 @@ MAX_EXACT = 1000
 
 
 class BeliefSettings(Settings):
-    """What an experiment file says of a belief; every kind has `kind: Literal["its name"]` and keys of its own."""
+    """What an experiment file says of a belief; every kind has `kind: Literal["its name"]` and keys of its own.
+
+    >>> experiment.belief is None and isinstance(scenario.belief, fp.BeliefSettings)
+    True
+    """
 
     kind: str
 
