@@ -9,8 +9,8 @@ A tiger is behind one of two doors, gold behind the other one. Whoever listens h
 import numpy as np
 
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.planners.policy import PolicySettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp
 
@@ -54,7 +54,7 @@ SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=100, de
 
 def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tuple[float, list[str]]:
     """One game: its discounted return, and what was done and heard."""
-    policy, belief, state = build_policy(settings), NO_IDEA, np.array([float(rng.integers(2))])
+    policy, belief, state = settings.build(), NO_IDEA, np.array([float(rng.integers(2))])
     total, told = 0.0, []
     for cycle in range(cycles):
         action = policy.act(belief, rng).action
@@ -68,7 +68,7 @@ def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tup
 
 if __name__ == "__main__":
     rng = np.random.default_rng(1)
-    decision = build_policy(SEARCH).act(NO_IDEA, rng)
+    decision = SEARCH.build().act(NO_IDEA, rng)
     for name, value, visits in zip(PROBLEM.actions, decision.values, decision.visits, strict=True):
         print(f"{name:10} value {value:7.2f}, tried {visits} times")
     print("One game:", ", ".join(play(SEARCH, 10, rng)[1]))

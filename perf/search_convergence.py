@@ -20,9 +20,8 @@ from fatigue_planner.core.jit import compiled
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.output.figures.style import COLOURS, MARKERS, new_figure, publish_png
-from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.pomcp.policy import PomcpPolicy
-from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
+from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, preference_probabilities, react, recognition
 from fatigue_planner.pomdp.problem import Dynamics

@@ -25,8 +25,8 @@ from fatigue_planner.experiment.build import load_cycle_profiles, reaction_reque
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.planners.policy import PolicySettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.reactions.cache import ReactionCache, simulated
 
@@ -122,7 +122,7 @@ def library(grid: Experiment) -> None:
 
 
 def decide(belief: Belief, settings: PolicySettings) -> None:
-    build_policy(settings).act(belief, np.random.default_rng(0))
+    settings.build().act(belief, np.random.default_rng(0))
 
 
 def searches(paper: Experiment) -> None:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.experiment.schema import Experiment
-    from fatigue_planner.planners.settings import ReferenceSettings
+    from fatigue_planner.planners.lookahead import ReferenceSettings
     from fatigue_planner.study.benchmark.cell import Cell
     from fatigue_planner.study.benchmark.job import Job
     from fatigue_planner.study.benchmark.selection import Selection

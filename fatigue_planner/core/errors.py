@@ -21,7 +21,14 @@ class ExitCode(IntEnum):
 
 
 class FatplanError(Exception):
-    """Root of every error that is the input's or the machine's, not the program's."""
+    """Root of every error that is the input's or the machine's, not the program's.
+
+    >>> try:
+    ...     fp.policy("gredy")
+    ... except fp.FatplanError as error:
+    ...     print("gredy" in str(error), int(error.exit_code))
+    True 2
+    """
 
     exit_code = ExitCode.BAD_INPUT
 
@@ -107,6 +114,14 @@ class LostClusterError(FatplanError):
     """The connection to a cluster broke before all work was done."""
 
     exit_code = ExitCode.FAILED_PARTS
+
+
+class PluginError(FatplanError):
+    """A plug-in cannot be loaded, or registers something that cannot be registered."""
+
+
+class ProblemError(FatplanError):
+    """A problem or a belief made in Python is none: its probabilities are negative or do not sum to 1."""
 
 
 class MissingExtraError(FatplanError):

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
+from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 
 Location = tuple[int | str, ...]
@@ -42,16 +43,20 @@ def _below(here: Any, step: int | str) -> Any:
 
 
 def _members(here: Any) -> dict[int | str, Any]:
-    """The members of a union of settings by their kind; empty for any other type."""
+    """The kinds of an extension point, or the members of a union of settings, by name; empty for any other type."""
     plain = _plain(here)
+    if get_origin(plain) is Annotated:
+        return {**plain.__metadata__[0].kinds()}
     if get_origin(plain) not in (Union, UnionType):
         return {}
     return {get_args(member.model_fields["kind"].annotation)[0]: member for member in get_args(plain)}
 
 
 def _plain(here: Any) -> Any:
-    """A type without what is said about it, and without `| None`."""
+    """A type without what is said about it (unless that is an extension point), and without `| None`."""
     if get_origin(here) is Annotated:
+        if isinstance(here.__metadata__[0], Registry):
+            return here
         return _plain(get_args(here)[0])
     if get_origin(here) in (Union, UnionType):
         members = [member for member in get_args(here) if member is not NoneType]

@@ -6,7 +6,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError, listed
+from fatigue_planner.core.files import PACKAGE
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.pose_grid import expand_pose_grids
@@ -14,11 +15,32 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import semantic_errors
 
 
+def shipped_folder() -> Path:
+    """The folder of the experiments that ship with fatplan: the repository's, which the build puts into the wheel."""
+    inside = PACKAGE / "shipped"
+    return inside if inside.is_dir() else PACKAGE.parent / "experiments"
+
+
+def find_experiment(path: Path) -> Path:
+    """The file that is meant: itself or, where there is no such file, the one of this name that ships with fatplan.
+
+    Raises ExperimentError, naming those that ship, if a name (no folder, no `.yaml`) is none of them.
+    """
+    if path.exists() or path.name != str(path) or path.suffix in {".yaml", ".yml"}:
+        return path
+    shipped = shipped_folder() / f"{path}.yaml"
+    if shipped.exists():
+        return shipped
+    names = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
+    raise ExperimentError(f"{path}: neither a file nor the name of one that ships with fatplan: {listed(names)}.")
+
+
 def load_experiment(path: Path) -> Experiment:
-    """The experiment of a file, checked completely.
+    """The experiment of a file, or one that ships with fatplan by its name, checked completely.
 
     Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, or else all of meaning.
     """
+    path = find_experiment(path)
     experiment = parse_experiment(read_content(path), str(path))
     faults = semantic_errors(experiment)
     if faults:

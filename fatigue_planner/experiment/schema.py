@@ -16,8 +16,9 @@ from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
-from fatigue_planner.planners.settings import PolicySettings, ReferenceSettings
-from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, BeliefSettings
+from fatigue_planner.planners.lookahead import ReferenceSettings
+from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
 
 # What can be checked in half a second and named in one table.
@@ -60,7 +61,7 @@ class Benchmark(Settings):
     """The grid of runs (paper, section IV-E)."""
 
     conditions: dict[Name, Condition] = Field(min_length=1, max_length=1000)
-    policies: dict[Name, PolicySettings] = Field(min_length=1, max_length=1000)
+    policies: dict[Name, AnyPolicy] = Field(min_length=1, max_length=1000)
     n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1, max_length=1000)
     trials: int = Field(ge=1, le=1_000_000)
     seed: Seed
@@ -69,7 +70,11 @@ class Benchmark(Settings):
 
 
 class Experiment(Settings):
-    """Everything that defines an experiment."""
+    """Everything that defines an experiment.
+
+    >>> isinstance(experiment, fp.Experiment), list(experiment.preferences)
+    (True, ['arm', 'back'])
+    """
 
     name: Name
     workers: dict[Name, Worker] = Field(min_length=1, max_length=50)
@@ -88,7 +93,7 @@ class Experiment(Settings):
     # P(o | u): preference -> recognised as -> probability; left out, a reaction is always recognised.
     recognition: dict[Name, dict[Name, Level]] | None = None
     # How beliefs are kept; left out, the exact set where it stays finite, else particles.
-    belief: BeliefSettings | None = None
+    belief: AnyBelief | None = None
     benchmark: Benchmark
     statistics: StatisticsSettings
     # Figures of the returns: name -> conditions, one row of panels each.

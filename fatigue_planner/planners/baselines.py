@@ -1,10 +1,11 @@
-"""Policies that do not look ahead (paper, section IV-E)."""
+"""Policies that do not look ahead (paper, section IV-E), and their settings."""
 
 import time
+from typing import Literal
 
 import numpy as np
 
-from fatigue_planner.planners.policy import Decision, Policy, plain_decision
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
 from fatigue_planner.pomdp.beliefs.belief import Belief
 
 
@@ -23,6 +24,16 @@ class RandomPolicy(Policy):
         )
 
 
+class RandomSettings(PolicySettings):
+    """Any action, with equal probability."""
+
+    kind: Literal["random"]
+
+    def build(self) -> Policy:
+        """See PolicySettings.build."""
+        return RandomPolicy()
+
+
 class AlternatingPolicy(Policy):
     """The actions in turn, in the order of the experiment file."""
 
@@ -38,12 +49,38 @@ class AlternatingPolicy(Policy):
         return plain_decision(action, np.full(actions, np.nan), 0, time.perf_counter() - begin, "next in turn", belief)
 
 
+class AlternatingSettings(PolicySettings):
+    """The actions in turn."""
+
+    kind: Literal["alternating"]
+
+    def build(self) -> Policy:
+        """See PolicySettings.build."""
+        return AlternatingPolicy()
+
+
 class GreedyPolicy(Policy):
     """The action with the lowest expected fatigue cost after one cycle; the first of equals."""
+
+    def __init__(self) -> None:
+        self._checked = False
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """See Policy.act."""
         begin = time.perf_counter()
+        if not self._checked:
+            belief.model.check_probabilities(belief.states)
+            self._checked = True
         values = belief.expected_rewards()
         duration_s = time.perf_counter() - begin
         return plain_decision(int(values.argmax()), values, 1, duration_s, "best expected reward of one cycle", belief)
+
+
+class GreedySettings(PolicySettings):
+    """The lowest expected cost after one cycle."""
+
+    kind: Literal["greedy"]
+
+    def build(self) -> Policy:
+        """See PolicySettings.build."""
+        return GreedyPolicy()

@@ -1,17 +1,30 @@
 """The exact reference: full-width expectimax over the belief to a depth in cycles."""
 
 import time
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import Field
 
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, new_levels
-from fatigue_planner.planners.policy import Decision, Policy, Vector, plain_decision
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Vector, plain_decision
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
-from fatigue_planner.planners.pomcp.kernels import bound_arrays_for, lookahead_kernel
-from fatigue_planner.planners.settings import LookaheadSettings, ReferenceSettings
+from fatigue_planner.planners.pomcp.kernels import LeafValueName, bound_arrays_for, lookahead_kernel
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
+
+ReferenceLeafValue = Literal["none", "greedy_rollout", "bound"]
+
+
+class ReferenceSettings(Settings):
+    """The lookahead that `--regret` measures decisions against; it knows the prior of a hidden worker."""
+
+    kind: Literal["lookahead"]
+    depth: int = Field(ge=1, le=30)
+    # greedy_rollout only where nothing is left to chance: the best of noisy values is too good
+    leaf_value: ReferenceLeafValue = "none"
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
 
 
 class LookaheadPolicy(Policy):
@@ -20,7 +33,7 @@ class LookaheadPolicy(Policy):
     Its memory is kept from decision to decision.
     """
 
-    def __init__(self, settings: LookaheadSettings | ReferenceSettings) -> None:
+    def __init__(self, settings: "LookaheadSettings | ReferenceSettings") -> None:
         self.settings = settings
         # an expert leaves nothing to chance in a greedy rollout; random ones are drawn whatever the worker
         self.draws_at_random = settings.leaf_value == "random_rollout"
@@ -42,6 +55,8 @@ class LookaheadPolicy(Policy):
         """The return of every action, followed by the best ones, (A,)."""
         settings, model = self.settings, belief.model
         if model is not self._model:
+            if self._model is None:
+                model.check_probabilities(belief.states)
             self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
         count, width = belief.states.shape
         if self._levels is None or self._levels.begin[1] != count:
@@ -56,3 +71,16 @@ class LookaheadPolicy(Policy):
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
         self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
         return np.asarray(levels.values[0].copy())
+
+
+class LookaheadSettings(PolicySettings):
+    """Full-width expectimax over the belief to a depth in cycles."""
+
+    kind: Literal["lookahead"]
+    depth: int = Field(ge=1, le=30)
+    leaf_value: LeafValueName = "none"
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
+
+    def build(self) -> Policy:
+        """See PolicySettings.build."""
+        return LookaheadPolicy(self)

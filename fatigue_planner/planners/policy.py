@@ -1,4 +1,4 @@
-"""What every policy is: it chooses the robot's action from a belief."""
+"""What every policy is: it chooses the robot's action from a belief; and its settings, which make it."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -6,7 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.plugins import Registry
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.scenario import Knowledge
 
 Vector = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -22,6 +25,11 @@ class Decision:
     depth: cycles looked ahead
     duration_s: wall-clock time of the decision
     reason: in words, why this action
+
+    >>> belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+    >>> decision = fp.policy("greedy").build().act(belief, np.random.default_rng(0))
+    >>> isinstance(decision, fp.Decision), scenario.model.actions[decision.action] in ("high", "low")
+    (True, True)
     """
 
     action: int
@@ -33,7 +41,14 @@ class Decision:
 
 
 class Policy(ABC):
-    """A policy for one run of the task; a new one is made for every run."""
+    """A policy for one run of the task; a new one is made for every run.
+
+    >>> class Always(fp.Policy):
+    ...     def act(self, belief, rng):
+    ...         return fp.Decision(1, np.zeros(2), np.zeros(2, int), 0, 0.0, "always the second")
+    >>> fp.run(scenario, Always(), n_cycles=2).cycles["action"].tolist()
+    ['low', 'low']
+    """
 
     # Whether the policy's own random draws can change its choices in a problem without chance.
     draws_at_random = False
@@ -44,6 +59,27 @@ class Policy(ABC):
 
     def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
         """What was done and seen since `act`; the next belief says it, too."""
+
+
+class PolicySettings(Settings):
+    """What an experiment file says of a policy; every kind has `kind: Literal["its name"]` and keys of its own.
+
+    knows: what the policy knows of a worker with hidden parameters. prior: their distribution; average: it takes the
+        average worker for the true one; truth: it knows the worker.
+
+    >>> isinstance(experiment.benchmark.policies["greedy"], fp.PolicySettings)
+    True
+    """
+
+    kind: str
+    knows: Knowledge = "prior"
+
+    @abstractmethod
+    def build(self) -> Policy:
+        """A fresh policy for one run."""
+
+
+POLICIES = Registry("policy", PolicySettings)  # type: ignore[type-abstract]
 
 
 def plain_decision(action: int, values: Vector, depth: int, duration_s: float, reason: str, belief: Belief) -> Decision:

@@ -1,7 +1,7 @@
 """The reference that decisions are measured against, the deepest affordable lookahead; what a lookahead costs."""
 
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.planners.settings import LookaheadSettings, ReferenceLeafValue, ReferenceSettings
+from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceLeafValue, ReferenceSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp

@@ -1,27 +1,19 @@
-"""The policies an experiment file can name.
+"""The policies that an experiment file can name.
 
-To add a policy: write it (see `policy.Policy`), describe its settings in `settings.py`, name them in
-PolicySettings there, and add a line to POLICY_KINDS here.
+To add a policy: write it and its settings in a file (see `policy.Policy` and `policy.PolicySettings`), and add the
+settings to KINDS here. From outside the package: `fatigue_planner.register` (see `core.plugins`).
 """
 
-from collections.abc import Callable
-from typing import Any
+from typing import Annotated
 
-from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, RandomPolicy
-from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.policy import Policy
-from fatigue_planner.planners.pomcp.policy import PomcpPolicy
-from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
+from fatigue_planner.planners.lookahead import LookaheadSettings
+from fatigue_planner.planners.policy import POLICIES, PolicySettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 
-POLICY_KINDS: dict[str, Callable[[Any], Policy]] = {
-    "random": lambda _: RandomPolicy(),
-    "alternating": lambda _: AlternatingPolicy(),
-    "greedy": lambda _: GreedyPolicy(),
-    "pomcp": PomcpPolicy,
-    "lookahead": LookaheadPolicy,
-}
+KINDS = (RandomSettings, AlternatingSettings, GreedySettings, PomcpSettings, LookaheadSettings)
+for kind in KINDS:
+    POLICIES.add(kind)
 
-
-def build_policy(settings: PolicySettings) -> Policy:
-    """A fresh policy for one run."""
-    return POLICY_KINDS[settings.kind](settings)
+# The settings of any policy.
+AnyPolicy = Annotated[PolicySettings, POLICIES]

@@ -14,10 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.core.jit import inlined, specialised
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
+
+# Chances must sum to 1 within this.
+ROUNDING = 1e-9
+# So many states of a belief are looked at before a search: enough to find a wrong formula.
+MAX_CHECKED = 20
 
 
 @dataclass(frozen=True)
@@ -37,6 +43,10 @@ class Dynamics:
     bound(bound_arrays, state) -> value, optional
         the value of the state, best a bound, for the leaves of searches (leaf value `bound`); `bound_arrays` is
         the problem's own, see `Pomdp.bound_arrays`
+
+    >>> from tiger import PROBLEM  # examples/tiger.py
+    >>> isinstance(PROBLEM.dynamics, fp.Dynamics)
+    True
     """
 
     outcome_probabilities: Callable[..., Any]
@@ -63,6 +73,10 @@ class Pomdp:
     """A problem: the names of its actions, outcomes and observations, its discount and its functions.
 
     observation_reveals_outcome: the observation always tells the outcome (never wrong to leave it False).
+
+    >>> from tiger import PROBLEM  # examples/tiger.py
+    >>> isinstance(PROBLEM, fp.Pomdp), PROBLEM.actions
+    (True, ('open left', 'open right', 'listen'))
     """
 
     actions: tuple[str, ...]
@@ -89,6 +103,21 @@ class Pomdp:
             if not 0 <= number < len(names):
                 raise IndexError(f"{what} {number}: the problem has {len(names)}, numbered from 0")
 
+    def check_probabilities(self, states: Array) -> None:
+        """Check the chances of outcomes and observations in some states (n, L), for every action.
+
+        Raises ProblemError, naming state, action and sum, for chances that are negative or do not sum to 1.
+        """
+        for state in states[:MAX_CHECKED]:
+            for action, name in enumerate(self.actions):
+                chances = self.probabilities(state, action)
+                _check_sum(chances, f"outcomes of action {name!r}", state)
+                for outcome in np.flatnonzero(chances > 0):
+                    moved, _ = self.transition(state, action, int(outcome))
+                    seen = self.observation_probabilities(moved, action, int(outcome))
+                    what = f"observations after action {name!r} and outcome {self.outcomes[outcome]!r}"
+                    _check_sum(seen, what, moved)
+
     def probabilities(self, state: Vector, action: int) -> Vector:
         """P(outcome | state, action), (K,)."""
         probabilities = np.empty(len(self.outcomes))
@@ -112,6 +141,14 @@ class Pomdp:
         """P(observation | state reached, action, outcome), (O,)."""
         see = self.dynamics.observation_probability
         return np.array([see(self.arrays, state, action, outcome, o) for o in range(len(self.observations))])
+
+
+def _check_sum(chances: Vector, what: str, state: Vector) -> None:
+    total = float(chances.sum())
+    if not (chances >= 0).all() or not abs(total - 1) <= ROUNDING:
+        raise ProblemError(
+            f"the chances {chances.tolist()} of the {what} in state {state.tolist()} sum to {total:.6g}."
+        )
 
 
 @inlined

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.files import digest_of
+from fatigue_planner.core.plugins import plugin_sources
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings, initial_belief
+from fatigue_planner.pomdp.beliefs.registry import BeliefSettings, ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, fingerprint
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.problem import draw
@@ -25,14 +26,19 @@ Knowledge = Literal["prior", "average", "truth"]
 class Scenario:
     """The model holds the average worker; states (n, L) and weights (n,) are where he may start.
 
-    prior: the distribution of the worker, None where he is known; belief: how beliefs are kept.
+    prior: the distribution of the worker, None where the worker is known; belief: how beliefs are kept; name: of the
+    condition, by which random numbers are drawn.
+
+    >>> isinstance(scenario, fp.Scenario), scenario.leaves_nothing_to_chance()
+    (True, False)
     """
 
     model: FatiguePomdp
     states: Array
     weights: Vector
     prior: WorkerPrior | None
-    belief: ExactSettings | ParticleSettings
+    belief: BeliefSettings
+    name: str = ""
 
     def worker(self, uniforms: Vector) -> FatiguePomdp:
         """The world with the worker that three draws from [0, 1) stand for."""
@@ -47,10 +53,10 @@ class Scenario:
     def initial_belief(self, knows: Knowledge, world: FatiguePomdp, rng: np.random.Generator) -> Belief:
         """What a policy believes before the first cycle in a world."""
         if self.prior is None or knows == "prior":
-            return initial_belief(self.model, self.states, self.weights, self.prior, self.belief, rng)
+            return self.belief.build(self.model, self.states, self.weights, self.prior, rng)
         model = world if knows == "truth" else self.model
         settings = ExactSettings(kind="exact") if model.observation_reveals_outcome else self.belief
-        return initial_belief(model, self.states, self.weights, None, settings, rng)
+        return settings.build(model, self.states, self.weights, None, rng)
 
     def leaves_nothing_to_chance(self) -> bool:
         """Whether the worker, his start and his choices are certain (paper, footnote 4)."""
@@ -78,7 +84,7 @@ class Scenario:
             "states": self.states.tolist(),
             "weights": self.weights.tolist(),
             "prior": prior,
-            "belief": self.belief.plain(),
+            "belief": self.belief.plain() | plugin_sources(type(self.belief)),
         }
 
 

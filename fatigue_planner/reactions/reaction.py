@@ -3,14 +3,22 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fatigue_planner.core.files import DIGEST_LENGTH, digest_of, digests_of_package
 from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
 SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
@@ -90,7 +98,12 @@ def request_of(name: ReactionName, settings: Mapping[str, Any]) -> ReactionReque
 
 @dataclass(frozen=True)
 class Reaction:
-    """A reaction whose motion has passed its checks, under the name for which it was made."""
+    """A reaction whose motion has passed its checks, under the name for which it was made.
+
+    >>> reaction = reactions["average_man/high/arm"]
+    >>> isinstance(reaction, fp.Reaction), reaction.angles_rad().shape
+    (True, (1600, 39))
+    """
 
     name: ReactionName
     key: ReactionKey
@@ -101,6 +114,20 @@ class Reaction:
     def digest(self) -> str:
         """Digest of the key."""
         return self.key.digest
+
+    def torques_nm(self) -> "pd.DataFrame":
+        """Joint torques in N.m over the cycle: a row per tick, indexed by time_s, a column per degree of freedom."""
+        return self._frame(self.motion.torque_nm)
+
+    def angles_rad(self) -> "pd.DataFrame":
+        """Joint angles in rad over the cycle, indexed and named as the torques."""
+        return self._frame(self.motion.configuration[:, BASE_DOF + 1 :])
+
+    def _frame(self, table: NDArray[np.float64]) -> "pd.DataFrame":
+        import pandas as pd  # noqa: PLC0415 - takes half a second, which `simulate` does without
+
+        times_s = np.arange(len(table)) * self.motion.time_step_s
+        return pd.DataFrame(table, columns=list(DEGREES_OF_FREEDOM), index=pd.Index(times_s, name="time_s"))
 
 
 def file_name(name: ReactionName, digest: str) -> str:

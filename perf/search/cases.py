@@ -6,8 +6,7 @@ import numpy as np
 from by_hand import Root, SearchByHand
 from problems import Problem
 
-from fatigue_planner.planners.pomcp.policy import PomcpPolicy
-from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 
 DESCENTS = 5000
 

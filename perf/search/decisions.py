@@ -15,8 +15,10 @@ os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", 
 import numpy as np
 from problems import Problem, experiment_problems
 
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import GreedySettings, LookaheadSettings, PolicySettings, PomcpSettings
+from fatigue_planner.planners.baselines import GreedySettings
+from fatigue_planner.planners.lookahead import LookaheadSettings
+from fatigue_planner.planners.policy import PolicySettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 
 CYCLES_BEFORE = 5
 ROUNDS = 15
@@ -47,7 +49,7 @@ def report(problem: Problem, descents: int) -> None:
     belief = problem.belief
     for cycle in range(CYCLES_BEFORE):
         belief = belief.update(cycle % len(problem.model.actions), 0, rng)
-    chosen = {name: build_policy(settings) for name, settings in policies(descents).items()}
+    chosen = {name: settings.build() for name, settings in policies(descents).items()}
     seconds: dict[str, list[float]] = {name: [] for name in chosen}
     for turn in range(ROUNDS + 1):
         for name, policy in chosen.items():

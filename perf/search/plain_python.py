@@ -11,8 +11,7 @@ from dataclasses import replace
 import numpy as np
 from problems import affine_model, rested
 
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 
 
 def main() -> None:
@@ -28,7 +27,7 @@ def main() -> None:
             assert belief is not None
             states = np.array([belief.model.state(fatigue) for fatigue in np.array(request["states"])])
             belief = replace(belief, states=states, weights=np.array(request["weights"]))
-            policy = build_policy(PomcpSettings(**request["settings"]))
+            policy = PomcpSettings(**request["settings"]).build()
             begin = time.process_time()
             decision = policy.act(belief, np.random.default_rng(request["seed"]))
             reply = {"cpu_s": time.process_time() - begin, "values": decision.values.tolist()}

@@ -28,7 +28,8 @@ from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.planners.settings import GreedySettings, PomcpSettings, RandomSettings
+from fatigue_planner.planners.baselines import GreedySettings, RandomSettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.runner import run_grid

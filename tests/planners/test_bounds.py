@@ -20,8 +20,8 @@ from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
 from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
 from fatigue_planner.planners.bounds.task import hidden_state, known_state
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import LookaheadSettings, PolicySettings
+from fatigue_planner.planners.lookahead import LookaheadSettings
+from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.scenario import Scenario
@@ -310,7 +310,7 @@ def policy_costs(
         results = [
             run_trial(
                 one,
-                build_policy(settings),
+                settings.build(),
                 "prior",
                 n_cycles,
                 draw_random_numbers(7, condition, n_cycles, trial),

@@ -14,8 +14,7 @@ from small_problems import (
     tree_of,
 )
 
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.problem import draw
 
@@ -112,7 +111,7 @@ def returns(settings: PolicySettings, belief: ExactBelief, steps: int, games: in
     problem, rng = belief.model, np.random.default_rng(8)
     total = np.zeros(games)
     for game in range(games):
-        policy, now = build_policy(settings), belief
+        policy, now = settings.build(), belief
         state = belief.states[draw(belief.weights, rng.random())]
         for step in range(steps):
             action = policy.act(now, rng).action
@@ -145,7 +144,7 @@ def test_what_the_policy_does_is_worth_the_exact_value() -> None:
     def worth(belief: ExactBelief, steps: int) -> float:
         if steps == 0:
             return 0.0
-        action = build_policy(pomcp(20_000, 50.0, "max")).act(belief, rng).action
+        action = pomcp(20_000, 50.0, "max").build().act(belief, rng).action
         value = float(belief.expected_rewards()[action])
         on_the_left = float(belief.weights @ (belief.states[:, 0] == 0))
         heard_left = 0.85 * on_the_left + 0.15 * (1 - on_the_left) if action == 2 else 0.5

@@ -10,9 +10,8 @@ from scipy import stats
 from small_problems import pomcp, random_tables, relaxed, small_model, table_belief, table_bound, tree_of
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.pomcp.tree import UNVISITED
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import LookaheadSettings
 from fatigue_planner.pomdp.problem import Pomdp
 
 SHARP = random_tables(5, actions=3, states=2, horizon=4, sharp=True)
@@ -80,4 +79,4 @@ def test_a_problem_without_a_bound_says_so() -> None:
     belief, rng = table_belief(without, [0.5, 0.5]), np.random.default_rng(0)
     for settings in (pomcp(9, leaf_value="bound"), LookaheadSettings(kind="lookahead", depth=1, leaf_value="bound")):
         with pytest.raises(ExperimentError, match="leaf value bound: this problem has none"):
-            build_policy(settings).act(belief, rng)
+            settings.build().act(belief, rng)

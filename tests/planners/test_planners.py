@@ -23,11 +23,10 @@ from tree_checks import assert_counts, children
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import AlternatingPolicy, GreedyPolicy, RandomPolicy
-from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.pomcp.policy import PomcpPolicy
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
+from fatigue_planner.planners.policy import POLICIES
+from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.planners.pomcp.tree import UNVISITED
-from fatigue_planner.planners.registry import POLICY_KINDS, build_policy
-from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -58,10 +57,10 @@ def test_registry_builds_every_policy_of_the_paper(paper: Experiment, reactions:
     kinds = {"lookahead"}  # the paper has none
     for settings in paper.benchmark.policies.values():
         small = settings.model_copy(update={"descents": 50}) if isinstance(settings, PomcpSettings) else settings
-        decision = build_policy(small).act(one.initial_belief(settings.knows, one.model, rng), rng)
+        decision = small.build().act(one.initial_belief(settings.knows, one.model, rng), rng)
         assert decision.action in (0, 1) and decision.values.shape == (2,)
         kinds.add(settings.kind)
-    assert kinds == set(POLICY_KINDS)
+    assert kinds == set(POLICIES.kinds())
 
 
 def test_decisions_tell_what_they_rest_on() -> None:

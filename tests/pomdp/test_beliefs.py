@@ -22,9 +22,8 @@ from tree_checks import assert_bayes
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import GreedyPolicy
-from fatigue_planner.planners.lookahead import LookaheadPolicy
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy
-from fatigue_planner.planners.settings import LookaheadSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.reactions.reaction import Reaction
 

@@ -23,7 +23,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.planners.baselines import GreedyPolicy
-from fatigue_planner.planners.settings import PomcpSettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief

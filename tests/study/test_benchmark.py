@@ -17,20 +17,15 @@ from fatigue_planner.core.files import publish_with_checksum
 from fatigue_planner.core.random_streams import RandomNumbers, draw_random_numbers, random_stream
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.planners.policy import Decision, Policy, plain_decision
-from fatigue_planner.planners.settings import (
-    GreedySettings,
-    LookaheadSettings,
-    PolicySettings,
-    PomcpSettings,
-    RandomSettings,
-)
+from fatigue_planner.planners.baselines import GreedySettings, RandomSettings
+from fatigue_planner.planners.lookahead import LookaheadSettings
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark import cell as cell_module
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.replay import replay
 from fatigue_planner.study.benchmark.runner import run_grid
@@ -154,7 +149,8 @@ def test_every_run_plans_with_draws_of_its_own(cells: list[Cell], monkeypatch: p
             self.numbers = rng.random(5)
             return super().act(belief, rng)
 
-    monkeypatch.setattr(cell_module, "build_policy", lambda _: Drawing(0))
+    for kind in {type(cell.settings) for cell in cells}:
+        monkeypatch.setattr(kind, "build", lambda _: Drawing(0))
     for cell in cells:
         cell.run([0, 1])
     for key in {(cell.seed, cell.condition, cell.n_cycles) for cell in cells}:

@@ -13,16 +13,11 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings
 from fatigue_planner.planners.bounds.cost_bound import bound_of
-from fatigue_planner.planners.lookahead import LookaheadPolicy
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings, ReferenceSettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.planners.reference import check_effort, describe, reference_for
-from fatigue_planner.planners.settings import (
-    AlternatingSettings,
-    GreedySettings,
-    LookaheadSettings,
-    PomcpSettings,
-    ReferenceSettings,
-)
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
@@ -106,7 +101,7 @@ def test_the_judge_believes_what_the_policy_could(scenarios: dict[str, Scenario]
     for cycle, action in enumerate(result.actions):
         values = LookaheadPolicy(REFERENCE).values(belief, rng)
         losses.append(values.max() - values[action])
-        state, _, seen = cycle_of(one.model, state, action, world, cycle)
+        state, _, _, seen = cycle_of(one.model, state, action, world, cycle)
         belief = belief.update(action, seen, rng)
     regret = RegretJob(runs, REFERENCE, {1: result.actions}).run([1])[1]
     assert regret.decision_loss == pytest.approx(np.mean(losses), rel=1e-9) and max(losses) > 0

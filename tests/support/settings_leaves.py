@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 
 Path = tuple[str | int, ...]
@@ -65,6 +66,9 @@ def leaves(value: Any, annotation: Any, name: str = "", path: Path = ()) -> Iter
 def _ways(annotation: Any, name: str) -> Iterator[tuple[Any, str]]:
     """The types that a value may be of, None aside, each with the name that leads into it."""
     while get_origin(annotation) is Annotated or hasattr(annotation, "__value__"):
+        if isinstance(getattr(annotation, "__metadata__", ("",))[0], Registry):
+            annotation = Union[tuple(annotation.__metadata__[0].kinds().values())]  # noqa: UP007
+            continue
         annotation = annotation.__value__ if hasattr(annotation, "__value__") else get_args(annotation)[0]
     if get_origin(annotation) in (Union, types.UnionType):
         kinds = [one for part in get_args(annotation) if part is not type(None) for one, _ in _ways(part, name)]

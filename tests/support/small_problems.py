@@ -10,10 +10,9 @@ import numpy as np
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.fatigue.model import CycleProfile
-from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.pomcp.policy import PomcpPolicy
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
+from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.planners.pomcp.tree import Tree
-from fatigue_planner.planners.settings import LookaheadSettings, PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.boltzmann import normalise_choice

@@ -12,7 +12,8 @@ from conftest import ROOT
 PACKAGE = ROOT / "fatigue_planner"
 # From the ground up; a room imports only itself and those before it.
 ROOMS = [
-    "core", "human", "motion", "fatigue", "reactions", "pomdp", "planners", "experiment", "study", "output", "cli",
+    "core", "human", "motion", "fatigue", "reactions", "pomdp", "planners", "experiment", "study", "api", "output",
+    "cli",
 ]  # fmt: skip
 # The same inside the rooms that have several: from the ground up.
 INNER_ROOMS = {
@@ -37,6 +38,9 @@ def imports() -> Graph:
     found: dict[str, set[str]] = {}
     for name, file in modules.items():
         named = set()
+        if name == "fatigue_planner":  # its face: public names, loaded when they are first asked for
+            found[name] = set()
+            continue
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 named |= {alias.name for alias in node.names}

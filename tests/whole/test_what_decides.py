@@ -219,6 +219,7 @@ def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None
 WITHOUT_A_PART = {
     "core/errors.py": "messages",
     "core/files.py": "makes files and keys; were its JSON another one, so would be every key",
+    "core/plugins.py": "what a plug-in decides is in the keys by its own source",
     "core/provenance.py": "looks up the versions that are in the keys",
 }
 # The same where no body data are read: only names of joints and types of settings, whose values are in the key.
@@ -278,9 +279,10 @@ def in_reach(*modules: str) -> tuple[set[str], set[str]]:
 # What is kept -> the modules that make it, the sources in its key, what of the reach has no part in it.
 MAKERS = {
     "reactions": (("motion.simulator", "motion.verification"), reaction.SOURCES, WITHOUT_A_PART, BODY_DATA),
-    "cells": (("study.benchmark.cell",), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
+    "cells": (("study.benchmark.cell", "planners.registry"), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
-        ("study.benchmark.regret",), (*cell.SOURCES, *regret.REGRET_SOURCES), WITHOUT_A_PART | ONLY_NAMES, set()
+        ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES),
+        WITHOUT_A_PART | ONLY_NAMES, set(),
     ),
     "bounds": (("planners.bounds.cost_bound",), bounds.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
 }  # fmt: skip

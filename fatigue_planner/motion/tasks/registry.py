@@ -1,4 +1,7 @@
-"""The kinds of tasks a motion preference can have. A new kind is a file beside this one and a line here."""
+"""The kinds of tasks a motion preference can have.
+
+A new kind is a file beside this one and a name in KINDS; from outside the package, `fatigue_planner.register`.
+"""
 
 from typing import Annotated
 
@@ -11,11 +14,14 @@ from fatigue_planner.motion.tasks.joint_posture import JointPosture
 from fatigue_planner.motion.tasks.segment_orientation import SegmentOrientation
 from fatigue_planner.motion.tasks.segment_position import SegmentPosition
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
+from fatigue_planner.motion.tasks.task import TASKS, PreferenceTask
 
-AnyTask = Annotated[
-    SegmentUpright | SegmentOrientation | SegmentPosition | CentreOfMass | JointPosture | Hand,
-    Field(discriminator="kind"),
-]
+KINDS = (SegmentUpright, SegmentOrientation, SegmentPosition, CentreOfMass, JointPosture, Hand)
+for kind in KINDS:
+    TASKS.add(kind)
+
+# The settings of any task.
+AnyTask = Annotated[PreferenceTask, TASKS]
 
 
 class Preference(Settings):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
@@ -22,7 +23,12 @@ Matrix = NDArray[np.float64]
 
 
 class Task(ABC):
-    """One term of the objective: `rows` equations of a weight."""
+    """One term of the objective: `rows` equations of a weight.
+
+    >>> import own_motion_task  # examples/own_motion_task.py
+    >>> issubclass(own_motion_task.HeadHeightTask, fp.Task)
+    True
+    """
 
     def __init__(self, rows: int, weight: float, stiffness: float) -> None:
         self.rows = rows
@@ -36,8 +42,13 @@ class Task(ABC):
 
 
 class PreferenceTask(Settings):
-    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys."""
+    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys.
 
+    >>> [task.kind for task in experiment.preferences["arm"].tasks]
+    ['segment_upright']
+    """
+
+    kind: str
     weight: Positive
     during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
 
@@ -47,6 +58,9 @@ class PreferenceTask(Settings):
 
         Raises DataFileError for names or angles the human does not have.
         """
+
+
+TASKS = Registry("motion task", PreferenceTask)  # type: ignore[type-abstract]
 
 
 class Coordinates(Settings):

@@ -1,15 +1,23 @@
 """Monte-Carlo tree search from the belief: POMCP, POMCP-Max (paper, section III-D) and their variants."""
 
 import time
-from typing import Any
+from typing import Any, Literal, Self
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from fatigue_planner.planners.policy import Decision, Policy, explained
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, explained
 from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters, Workspace, new_workspace, tables
-from fatigue_planner.planners.pomcp.kernels import BACKUPS, EXPLORATIONS, bound_arrays_for, search_kernel
+from fatigue_planner.planners.pomcp.kernels import (
+    BACKUPS,
+    EXPLORATIONS,
+    BackupName,
+    ExplorationName,
+    LeafValueName,
+    bound_arrays_for,
+    search_kernel,
+)
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
-from fatigue_planner.planners.settings import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -26,7 +34,7 @@ class PomcpPolicy(Policy):
     Its memory is kept from decision to decision, so a tree lasts until the next one is grown.
     """
 
-    def __init__(self, settings: PomcpSettings) -> None:
+    def __init__(self, settings: "PomcpSettings") -> None:
         self.settings = settings
         # how far it comes in a time differs from run to run, and random rollouts are drawn whatever the worker
         self.draws_at_random = settings.seconds is not None or settings.leaf_value == "random_rollout"
@@ -71,6 +79,7 @@ class PomcpPolicy(Policy):
         settings, model = self.settings, belief.model
         if model is not self._model:
             if self._model is None or not _alike(model, self._model):
+                model.check_probabilities(belief.states)
                 self._tree = self._spare = self._workspace = None
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
@@ -136,3 +145,27 @@ class PomcpPolicy(Policy):
 def _alike(one: Pomdp, other: Pomdp) -> bool:
     """Whether a tree of one problem serves the other: the same task, perhaps with other workers in mind."""
     return (one.actions, one.outcomes, one.observations) == (other.actions, other.outcomes, other.observations)
+
+
+class PomcpSettings(PolicySettings):
+    """Monte-Carlo tree search: backup `mean` is POMCP, `max` POMCP-Max; it ends after `descents` or `seconds`."""
+
+    kind: Literal["pomcp"]
+    backup: BackupName
+    exploration_constant: float = Field(ge=0, le=1e9)
+    exploration: ExplorationName = "fixed"
+    leaf_value: LeafValueName = "none"
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
+    descents: int | None = Field(default=None, ge=1, le=1_000_000)
+    seconds: float | None = Field(default=None, gt=0, le=3600)
+    reuse_tree: bool = False
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if (self.descents is None) == (self.seconds is None):
+            raise ValueError("needs a budget: either descents or seconds")
+        return self
+
+    def build(self) -> Policy:
+        """See PolicySettings.build."""
+        return PomcpPolicy(self)

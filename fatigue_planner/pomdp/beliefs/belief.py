@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.core.jit import specialised
-from fatigue_planner.pomdp.problem import Pomdp, Vector, expected_reward
+from fatigue_planner.pomdp.problem import ROUNDING, Pomdp, Vector, expected_reward
 
 Array = NDArray[np.float64]
 
@@ -17,12 +18,24 @@ class Belief(ABC):
     """States (n, L) of `model` and their probabilities (n,).
 
     surprised: the last observation was impossible to the model, so that the belief was widened.
+
+    >>> belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+    >>> belief.model.actions, belief.weights.tolist()
+    (('high', 'low'), [1.0])
     """
 
     model: Pomdp
     states: Array
     weights: Vector
     surprised: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise ProblemError for weights that are none."""
+        if self.weights.shape != (len(self.states),):
+            raise ProblemError(f"the belief has {len(self.states)} states and weights of shape {self.weights.shape}.")
+        total = float(self.weights.sum())
+        if not (self.weights >= 0).all() or not abs(total - 1) <= ROUNDING:
+            raise ProblemError(f"the weights of the belief sum to {total:.6g}, not to 1, or some are negative.")
 
     @abstractmethod
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "Belief":

@@ -19,7 +19,13 @@ MIN_WEIGHT = 1e-300
 
 @dataclass(frozen=True)
 class ExactBelief(Belief):
-    """A finite set of states and their exact probabilities."""
+    """A finite set of states and their exact probabilities.
+
+    >>> from tiger import PROBLEM  # examples/tiger.py
+    >>> heard = fp.ExactBelief(PROBLEM, np.array([[0.0], [1.0]]), np.array([0.5, 0.5])).update(2, 0, None)
+    >>> heard.weights.round(2).tolist()
+    [0.85, 0.15]
+    """
 
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "ExactBelief":
         """Bayes' rule.

@@ -63,6 +63,10 @@ class ParticleBelief(Belief):
     P(o | s, a) = sum over u of P(o | s', a, u) P(u | s, a): no particle is drawn against the observation.
 
     history: kept where `rejuvenated` needs it.
+
+    >>> from tiger import PROBLEM  # examples/tiger.py
+    >>> fp.ParticleBelief.begin(PROBLEM, np.array([[0.0], [0.0], [1.0]])).effective_size()
+    3.0
     """
 
     log_weights: Vector = field(kw_only=True)

@@ -1,15 +1,16 @@
 """The beliefs an experiment file can name, and the one that fits where it names none.
 
-To add a belief: write it (see `belief.Belief`); here, describe its settings, name them in BeliefSettings and
-add a line to BELIEF_KINDS.
+To add a belief: write it (see `belief.Belief`); here, its settings (see BeliefSettings) and a name in the last loop.
+From outside the package: `fatigue_planner.register` (see `core.plugins`).
 """
 
-from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from abc import abstractmethod
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
+from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
@@ -19,76 +20,87 @@ from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.problem import Vector
 
+# The exact set may hold so many workers; every cycle and every descent of a search goes through them.
+MAX_EXACT = 1000
 
-class ExactSettings(Settings):
+
+class BeliefSettings(Settings):
+    """What an experiment file says of a belief; every kind has `kind: Literal["its name"]` and keys of its own.
+
+    >>> experiment.belief is None and isinstance(scenario.belief, fp.BeliefSettings)
+    True
+    """
+
+    kind: str
+
+    @abstractmethod
+    def build(
+        self,
+        model: FatiguePomdp,
+        states: Array,
+        weights: Vector,
+        prior: WorkerPrior | None,
+        rng: np.random.Generator,
+    ) -> Belief:
+        """The belief in states (n, L) with probabilities (n,), of workers as the prior has them (None: the model's)."""
+
+
+class ExactSettings(BeliefSettings):
     """The exact weighted set."""
 
     kind: Literal["exact"]
 
+    def build(
+        self,
+        model: FatiguePomdp,
+        states: Array,
+        weights: Vector,
+        prior: WorkerPrior | None,
+        rng: np.random.Generator,
+    ) -> Belief:
+        """See BeliefSettings.build."""
+        if prior is None:
+            return ExactBelief(model, states, weights)
+        workers, chances = prior.support()
+        repeated = np.repeat(states, chances.size, axis=0)
+        repeated[:, -1] = np.tile(np.arange(chances.size), len(states))
+        return ExactBelief(model.for_workers(workers), repeated, np.outer(weights, chances).ravel())
 
-class ParticleSettings(Settings):
+
+class ParticleSettings(BeliefSettings):
     """A particle filter."""
 
     kind: Literal["particles"]
     count: int = Field(ge=1, le=1_000_000)
 
+    def build(
+        self,
+        model: FatiguePomdp,
+        states: Array,
+        weights: Vector,
+        prior: WorkerPrior | None,
+        rng: np.random.Generator,
+    ) -> Belief:
+        """See BeliefSettings.build."""
+        drawn = states[rng.choice(len(states), size=self.count, p=weights)]
+        if prior is None:
+            return ParticleBelief.begin(model, drawn)
+        return HiddenWorkerBelief.start(model, drawn, prior, rng)
 
-BeliefSettings = Annotated[ExactSettings | ParticleSettings, Field(discriminator="kind")]
 
 # Where the file names no belief and no finite set holds it.
 USUAL_PARTICLES = ParticleSettings(kind="particles", count=300)
-# The exact set may hold so many workers; every cycle and every descent of a search goes through them.
-MAX_EXACT = 1000
-
-Builder = Callable[[FatiguePomdp, Array, Vector, WorkerPrior | None, Any, np.random.Generator], Belief]
 
 
-def fitting(observation_reveals_outcome: bool, prior: WorkerPrior | None) -> ExactSettings | ParticleSettings:
+def fitting(observation_reveals_outcome: bool, prior: WorkerPrior | None) -> BeliefSettings:
     """The exact set where it stays small: reactions recognised without error, not too many workers."""
     few = prior is None or prior.size <= MAX_EXACT
     return ExactSettings(kind="exact") if observation_reveals_outcome and few else USUAL_PARTICLES
 
 
-def _exact(
-    model: FatiguePomdp,
-    states: Array,
-    weights: Vector,
-    prior: WorkerPrior | None,
-    _settings: ExactSettings,
-    _rng: np.random.Generator,
-) -> Belief:
-    if prior is None:
-        return ExactBelief(model, states, weights)
-    workers, chances = prior.support()
-    repeated = np.repeat(states, chances.size, axis=0)
-    repeated[:, -1] = np.tile(np.arange(chances.size), len(states))
-    return ExactBelief(model.for_workers(workers), repeated, np.outer(weights, chances).ravel())
+BELIEFS = Registry("belief", BeliefSettings)  # type: ignore[type-abstract]
+for kind in (ExactSettings, ParticleSettings):
+    BELIEFS.add(kind)
 
-
-def _particles(
-    model: FatiguePomdp,
-    states: Array,
-    weights: Vector,
-    prior: WorkerPrior | None,
-    settings: ParticleSettings,
-    rng: np.random.Generator,
-) -> Belief:
-    drawn = states[rng.choice(len(states), size=settings.count, p=weights)]
-    if prior is None:
-        return ParticleBelief.begin(model, drawn)
-    return HiddenWorkerBelief.start(model, drawn, prior, rng)
-
-
-BELIEF_KINDS: dict[str, Builder] = {"exact": _exact, "particles": _particles}
-
-
-def initial_belief(
-    model: FatiguePomdp,
-    states: Array,
-    weights: Vector,
-    prior: WorkerPrior | None,
-    settings: ExactSettings | ParticleSettings,
-    rng: np.random.Generator,
-) -> Belief:
-    """The belief in states (n, L) with probabilities (n,), of workers as the prior has them (None: the model's)."""
-    return BELIEF_KINDS[settings.kind](model, states, weights, prior, settings, rng)
+# The settings of any belief.
+AnyBelief = Annotated[BeliefSettings, BELIEFS]

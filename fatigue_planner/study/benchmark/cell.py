@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
+from fatigue_planner.core.plugins import plugin_sources
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
-from fatigue_planner.planners.registry import build_policy
-from fatigue_planner.planners.settings import PolicySettings, PomcpSettings
+from fatigue_planner.planners.policy import PolicySettings
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
@@ -55,7 +56,7 @@ class Cell(Job[TrialResult]):
         return digest_of(
             {
                 "cell": [self.condition, self.n_cycles, self.policy, self.seed],
-                "policy": self.settings.plain(),
+                "policy": self.settings.plain() | plugin_sources(type(self.settings)),
                 "scenario": self.scenario.digest,
                 "sources": digest_of_package(*SOURCES),
                 "versions": versions_of(*NUMERICAL_LIBRARIES),
@@ -64,7 +65,7 @@ class Cell(Job[TrialResult]):
 
     def is_deterministic(self) -> bool:
         """Whether every run is the same (paper, footnote 4): nothing left to chance, no dice in the policy."""
-        return self.scenario.leaves_nothing_to_chance() and not build_policy(self.settings).draws_at_random
+        return self.scenario.leaves_nothing_to_chance() and not self.settings.build().draws_at_random
 
     def trial_numbers(self) -> range:
         """See Job.trial_numbers: one where every run is the same."""
@@ -77,7 +78,7 @@ class Cell(Job[TrialResult]):
         for trial in trials:
             world = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
             planner = random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
-            policy = build_policy(self.settings)
+            policy = self.settings.build()
             results[trial] = run_trial(self.scenario, policy, self.settings.knows, self.n_cycles, world, planner)
         return results
 
@@ -96,4 +97,4 @@ class Cell(Job[TrialResult]):
             settings = settings.model_copy(update={"descents": 1, "seconds": None})
         for trial in trials:
             world = self.scenario.worker(draw_random_numbers(self.seed, self.condition, self.n_cycles, trial).worker)
-            build_policy(settings).act(self.scenario.initial_belief(settings.knows, world, rng), rng)
+            settings.build().act(self.scenario.initial_belief(settings.knows, world, rng), rng)

@@ -9,8 +9,7 @@ import numpy as np
 
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
-from fatigue_planner.planners.lookahead import LookaheadPolicy
-from fatigue_planner.planners.settings import ReferenceSettings
+from fatigue_planner.planners.lookahead import LookaheadPolicy, ReferenceSettings
 from fatigue_planner.study.benchmark.cell import SOURCES, Cell
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.replay import replay

@@ -33,7 +33,7 @@ def replay(cell: Cell, trial: int, actions: Sequence[int]) -> Course:
     fatigue, observations = np.zeros((len(actions), model.entries)), []
     total, discount = 0.0, 1.0
     for cycle, action in enumerate(actions):
-        state, reward, observation = cycle_of(model, state, action, world, cycle)
+        state, _, reward, observation = cycle_of(model, state, action, world, cycle)
         total += discount * reward
         discount *= model.discount
         fatigue[cycle, model.active_entries] = state[: model.active_entries.size]

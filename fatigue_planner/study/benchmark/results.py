@@ -12,7 +12,7 @@ from fatigue_planner.core.errors import DamagedFileError, MissingTableError, Sta
 from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.planners.settings import ReferenceSettings
+from fatigue_planner.planners.lookahead import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, CELL, read_bounds
 from fatigue_planner.study.benchmark.cell import Cell

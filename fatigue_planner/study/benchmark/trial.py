@@ -26,12 +26,12 @@ class TrialResult:
 
 def cycle_of(
     model: FatiguePomdp, state: Vector, action: int, world: RandomNumbers, cycle: int
-) -> tuple[Vector, float, int]:
-    """What a cycle comes to in a world: the next state, the reward and the observation."""
+) -> tuple[Vector, int, float, int]:
+    """What a cycle comes to with these random numbers: the next state, the preference, the reward, the observation."""
     preference = draw(model.probabilities(state, action), world.preference[cycle])
     moved, reward = model.transition(state, action, preference)
     seen = draw(model.observation_probabilities(moved, action, preference), world.observation[cycle])
-    return moved, reward, seen
+    return moved, preference, reward, seen
 
 
 def run_trial(
@@ -51,7 +51,7 @@ def run_trial(
         action = policy.act(belief, rng).action
         times[cycle] = time.perf_counter() - begin
         actions.append(int(action))
-        state, reward, observation = cycle_of(model, state, action, world, cycle)
+        state, _, reward, observation = cycle_of(model, state, action, world, cycle)
         costs[cycle] = -reward
         total -= discount * costs[cycle]
         discount *= model.discount

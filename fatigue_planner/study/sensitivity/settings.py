@@ -5,7 +5,7 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from fatigue_planner.core.settings import Name, Seed, Settings
-from fatigue_planner.planners.settings import PolicySettings
+from fatigue_planner.planners.registry import AnyPolicy
 from fatigue_planner.study.sensitivity.factors import AnyFactor
 
 # Every level of every factor is checked before anything is run.
@@ -19,7 +19,7 @@ class Grid(Settings):
     n_cycles: tuple[int, ...] | None = Field(default=None, min_length=1)
     policies: tuple[Name, ...] | None = Field(default=None, min_length=1)
     # Policies that the base experiment does not have.
-    further_policies: dict[Name, PolicySettings] = Field(default_factory=dict)
+    further_policies: dict[Name, AnyPolicy] = Field(default_factory=dict)
     trials: int | None = Field(default=None, ge=1, le=1_000_000)
 
 

@@ -1,0 +1,307 @@
+"""What a script or a notebook does with fatplan: load, simulate, run; names instead of indices.
+
+`import fatigue_planner as fp` offers these functions and the classes they work with. What the command line does goes
+through the same code below, so equal settings and seeds give equal numbers.
+"""
+
+import copy
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+from pydantic import TypeAdapter, ValidationError
+
+from fatigue_planner.core.errors import SelectionError, listed
+from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
+from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
+from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.build import scenario as build_scenario
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
+from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.scenario import Knowledge, Scenario
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.study.benchmark.trial import cycle_of
+
+_ANY_POLICY: TypeAdapter[PolicySettings] = TypeAdapter(AnyPolicy)
+
+
+class Actor(Protocol):
+    """A policy of one's own: any object with this method (`Policy` is one).
+
+    >>> class Low:
+    ...     def act(self, belief, rng):
+    ...         return "low"
+    >>> fp.decide(scenario, Low()).action
+    'low'
+    """
+
+    def act(self, belief: Belief, rng: np.random.Generator) -> Decision | str | int:
+        """The action for this cycle: its name, its index, or a whole `Decision`."""
+
+
+@dataclass(frozen=True)
+class NamedDecision:
+    """A decision in names.
+
+    action: the action chosen. values, visits: by action, its estimated return (NaN where unknown) and how often a
+    search tried it. depth: cycles looked ahead. duration_s: wall-clock seconds. reason: why, in words.
+
+    >>> fp.decide(scenario, "greedy").reason
+    'best expected reward of one cycle'
+    """
+
+    action: str
+    values: dict[str, float]
+    visits: dict[str, int]
+    depth: int
+    duration_s: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a policy.
+
+    discounted_return: sum over the cycles t of discount^t r_t, with r_t = -C (Eq. 5): the higher, the better.
+    cycles: a row per cycle: action, reaction (the motion preference chosen), observed (what it was recognised as), cost
+        and planning_time_s.
+    fatigue: (n_cycles, 78) after every cycle, by entry: a degree of freedom and a direction (`elbow_flexion:positive`).
+
+    >>> found = fp.run(scenario, "alternating", n_cycles=4)
+    >>> found.cycles["action"].tolist()
+    ['high', 'low', 'high', 'low']
+    """
+
+    discounted_return: float
+    cycles: pd.DataFrame
+    fatigue: pd.DataFrame
+
+
+class Reactions(Mapping[str, Reaction]):
+    """An experiment's postural reactions by name (worker/action/preference).
+
+    failures: by name, why a motion could not be performed; such a reaction is not in the mapping.
+    """
+
+    def __init__(self, reactions: Mapping[str, Reaction], failures: Mapping[str, str]) -> None:
+        self._reactions, self.failures = dict(reactions), dict(failures)
+
+    def __getitem__(self, name: str) -> Reaction:
+        """The reaction of a name. Raises KeyError, with the reason if its motion failed."""
+        if name in self.failures:
+            raise KeyError(f"{name}: {self.failures[name]}")
+        return self._reactions[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._reactions)
+
+    def __len__(self) -> int:
+        return len(self._reactions)
+
+
+def load(experiment: str | Path) -> Experiment:
+    """The experiment of a file, or one that ships with fatplan by its name (`"paper"`), checked completely.
+
+    Raises ExperimentError with every fault of the file.
+
+    >>> experiment = fp.load("paper")
+    >>> list(experiment.actions)
+    ['high', 'low']
+    """
+    return load_experiment(Path(experiment))
+
+
+def simulate(experiment: Experiment, cache: str | Path = "cache", jobs: int | None = None) -> Reactions:
+    """Every worker with every action and every motion preference, from the cache folder or simulated into it.
+
+    jobs: processes to use, by default one per core; the result does not depend on it. What fails is told in
+    `failures`. Raises OutputFolderError if the folder cannot be written.
+
+    >>> reactions = fp.simulate(experiment, cache)
+    >>> bool(reactions["average_man/low/back"].torques_nm()["lumbar_flexion"].abs().max() > 50)
+    True
+    """
+    store, requests = ReactionCache(Path(cache)), reaction_requests(experiment)
+    outcomes = store.complete(requests, LocalProcesses(jobs or available_cores()), lambda _: None)
+    failures = {str(outcome.name): outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
+    good = [request for request in requests if str(request.name) not in failures]
+    loaded = store.load(good, "fatplan simulate")
+    return Reactions({str(reaction.name): reaction for reaction in loaded}, failures)
+
+
+def scenario(experiment: Experiment, reactions: Mapping[str, Reaction], condition: str | None = None) -> Scenario:
+    """The POMDP of a condition of the experiment's benchmark, by default the first.
+
+    Raises SelectionError for an unknown condition.
+
+    >>> scenario = fp.scenario(experiment, reactions, "single_novice")
+    >>> scenario.model.actions, scenario.model.outcomes
+    (('high', 'low'), ('arm', 'back'))
+    """
+    conditions = experiment.benchmark.conditions
+    name = next(iter(conditions)) if condition is None else condition
+    if name not in conditions:
+        raise SelectionError(f"condition {name!r}: not in the experiment; available: {listed(conditions)}.")
+    profiles = cycle_profiles(experiment, reactions.values())
+    return replace(build_scenario(experiment, profiles, conditions[name]), name=name)
+
+
+def policy(settings: str | Mapping[str, Any] | PolicySettings) -> PolicySettings:
+    """The settings of a policy from what an experiment file would say of it: its kind, or a mapping.
+
+    Raises SelectionError with what is wrong.
+
+    >>> fp.policy("greedy")
+    GreedySettings(kind='greedy', knows='prior')
+    >>> fp.policy({"kind": "pomcp", "backup": "max", "exploration_constant": 0.1, "descents": 500}).descents
+    500
+    """
+    if isinstance(settings, PolicySettings):
+        return settings
+    content = {"kind": settings} if isinstance(settings, str) else dict(settings)
+    try:
+        return _ANY_POLICY.validate_python(content, strict=True)
+    except ValidationError as error:
+        faults = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors(include_url=False))
+        raise SelectionError(f"policy {content}: {faults}.") from error
+
+
+def decide(belief: Belief | Scenario, policy: "PolicyLike", rng: np.random.Generator | None = None) -> NamedDecision:
+    """One decision, from a belief or at the start of a scenario.
+
+    >>> decision = fp.decide(scenario, "greedy")
+    >>> decision.action in {"high", "low"}, sorted(decision.values)
+    (True, ['high', 'low'])
+    """
+    rng = np.random.default_rng(0) if rng is None else rng
+    actor = _actor(policy)
+    if isinstance(belief, Scenario):
+        belief = belief.initial_belief(_knows(policy), belief.model, rng)
+    return _named(actor.act(belief, rng), belief.model.actions)
+
+
+def run(scenario: Scenario, policy: "PolicyLike", n_cycles: int = 100, seed: int = 0, trial: int = 0) -> Run:
+    """Run the task for a number of cycles with a policy: settings, a kind, or an object of your own (see `Actor`).
+
+    Runs of one seed and trial meet the same worker by common random numbers, whatever the policy.
+
+    >>> one = fp.run(scenario, "greedy", n_cycles=5)
+    >>> len(one.cycles), one.discounted_return < 0
+    (5, True)
+    """
+    numbers = draw_random_numbers(seed, scenario.name, n_cycles, trial)
+    rng = random_stream(seed, "planner", scenario.name, n_cycles, trial, _label(policy))
+    actor, model = _actor(policy), scenario.worker(numbers.worker)
+    state, belief = scenario.start(numbers.start), scenario.initial_belief(_knows(policy), model, rng)
+    total, discount, rows = 0.0, 1.0, []
+    fatigue = np.zeros((n_cycles, model.entries))
+    for cycle in range(n_cycles):
+        begin = time.perf_counter()
+        action = actor.act(belief, rng).action
+        planning_time_s = time.perf_counter() - begin
+        state, preference, reward, observation = cycle_of(model, state, action, numbers, cycle)
+        total += discount * reward
+        discount *= model.discount
+        fatigue[cycle, model.active_entries] = state[: model.active_entries.size]
+        names = model.actions[action], model.outcomes[preference], model.observations[observation]
+        rows.append((*names, -reward, planning_time_s))
+        actor.observe(action, observation)
+        belief = belief.update(action, observation, rng)
+    columns = ["action", "reaction", "observed", "cost", "planning_time_s"]
+    cycles = pd.DataFrame(rows, columns=columns).rename_axis("cycle")
+    return Run(total, cycles, pd.DataFrame(fatigue, columns=list(ENTRIES)).rename_axis("cycle"))
+
+
+def run_trials(
+    scenario: Scenario, policies: Mapping[str, "PolicyLike"], n_cycles: int = 100, trials: int = 100, seed: int = 0
+) -> pd.DataFrame:
+    """Many runs of several policies, paired by common random numbers: a row per policy and trial.
+
+    The columns are policy, trial, discounted_return, final_cost and peak_cost. Policies of the names, settings and seed
+    of a benchmark have the returns of its trials.csv.
+
+    >>> table = fp.run_trials(scenario, {"greedy": "greedy", "random": "random"}, n_cycles=5, trials=3)
+    >>> table.groupby("policy")["discounted_return"].mean().idxmax()
+    'greedy'
+    """
+    rows = []
+    for name, chosen in policies.items():
+        for trial in range(trials):
+            found = run(scenario, _Named(name, chosen), n_cycles, seed, trial)
+            cost = found.cycles["cost"]
+            rows.append((name, trial, found.discounted_return, cost.iloc[-1], cost.max()))
+    return pd.DataFrame(rows, columns=["policy", "trial", "discounted_return", "final_cost", "peak_cost"])
+
+
+@dataclass(frozen=True)
+class _Named:
+    """A policy under the name by which its random numbers are drawn."""
+
+    name: str
+    policy: "PolicyLike"
+
+
+PolicyLike = str | Mapping[str, Any] | PolicySettings | Actor | _Named
+
+
+class _ActorPolicy(Policy):
+    """An object of the user's as a policy; every run gets a copy, so that no run knows of another."""
+
+    def __init__(self, actor: Actor) -> None:
+        self._actor = copy.deepcopy(actor)
+
+    def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
+        """See Policy.act. Raises SelectionError if what is chosen is not an action."""
+        begin = time.perf_counter()
+        chosen = self._actor.act(belief, rng)
+        if isinstance(chosen, Decision):
+            return chosen
+        actions = belief.model.actions
+        index = actions.index(chosen) if chosen in actions else chosen
+        if not isinstance(index, int | np.integer) or not 0 <= index < len(actions):
+            raise SelectionError(f"{type(self._actor).__name__}.act: {chosen!r} is not one of {listed(actions)}.")
+        unknown = np.full(len(actions), np.nan)
+        return plain_decision(int(index), unknown, 0, time.perf_counter() - begin, "chosen by your policy", belief)
+
+    def observe(self, action: int, observation: int) -> None:
+        """See Policy.observe."""
+        if hasattr(self._actor, "observe"):
+            self._actor.observe(action, observation)
+
+
+def _actor(chosen: PolicyLike) -> Policy:
+    if isinstance(chosen, _Named):
+        return _actor(chosen.policy)
+    if isinstance(chosen, str | Mapping | PolicySettings):
+        return policy(chosen).build()
+    return _ActorPolicy(chosen)
+
+
+def _knows(chosen: PolicyLike) -> Knowledge:
+    if isinstance(chosen, _Named):
+        return _knows(chosen.policy)
+    return policy(chosen).knows if isinstance(chosen, str | Mapping | PolicySettings) else "prior"
+
+
+def _label(chosen: PolicyLike) -> str:
+    return chosen.name if isinstance(chosen, _Named) else chosen if isinstance(chosen, str) else "policy"
+
+
+def _named(decision: Decision, actions: tuple[str, ...]) -> NamedDecision:
+    return NamedDecision(
+        actions[decision.action],
+        dict(zip(actions, decision.values.tolist(), strict=True)),
+        dict(zip(actions, decision.visits.tolist(), strict=True)),
+        decision.depth,
+        decision.duration_s,
+        decision.reason,
+    )
