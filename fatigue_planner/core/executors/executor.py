@@ -15,6 +15,7 @@ from typing import Any, ClassVar, TypeVar
 import cloudpickle
 
 from fatigue_planner.core.interrupts import Interrupts
+from fatigue_planner.core.plugins import load_files, loaded_files
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -87,7 +88,7 @@ class Executor(ABC):
             while pending or ready or suspects:
                 while not interrupts.noted and _may_begin(ready, suspects, len(pending), pool.capacity):
                     index = (ready or suspects).popleft()
-                    pending[pool.submit(cloudpickle.dumps((work, items[index])))] = index
+                    pending[pool.submit(_packed(work, items[index]))] = index
                 if interrupts.noted and not (pending and pool.capacity):
                     break
                 for future in sorted(pool.wait(pending), key=pending.__getitem__):
@@ -106,10 +107,17 @@ def _may_begin(ready: deque[int], suspects: deque[int], pending: int, capacity: 
     return pending < capacity if ready else bool(suspects) and not pending and capacity > 0
 
 
+def _packed(work: Callable[[Any], Any], item: Any) -> bytes:
+    return pickle.dumps((loaded_files(), cloudpickle.dumps((work, item))))
+
+
 def perform(payload: bytes) -> bytes:
     """Do packed work, in a worker: from a pickled function and its argument to the pickled result.
 
-    Functions and classes of a script or a notebook are packed as code: no worker could import them.
+    Functions and classes of a script or a notebook are packed as code: no worker could import them. Plug-in files are
+    loaded first.
     """
-    work, item = pickle.loads(payload)
+    plugins, packed = pickle.loads(payload)
+    load_files(plugins)
+    work, item = pickle.loads(packed)
     return bytes(cloudpickle.dumps(work(item)))
