@@ -24,7 +24,7 @@ from fatigue_planner.cli.options import (
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.executors.executor import Executor
-from fatigue_planner.core.files import publish_csv, publish_text, remove, writable_folder
+from fatigue_planner.core.files import publish_text, remove, writable_folder
 from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
@@ -38,6 +38,7 @@ from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.regret import RegretJob
+from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE, publish_comparisons
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 from fatigue_planner.study.benchmark.tables import (
@@ -52,15 +53,13 @@ from fatigue_planner.study.benchmark.tables import (
     trial_table,
 )
 from fatigue_planner.study.benchmark.trial import TrialResult
-from fatigue_planner.study.statistics.comparison import comparison_table, summary_text
+from fatigue_planner.study.statistics.comparison import summary_text
 from fatigue_planner.study.statistics.contrast_text import contrast_text
-from fatigue_planner.study.statistics.contrasts import CONTRASTS_FILE, contrasts
 from fatigue_planner.study.statistics.pairing import records
 from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
 MOST = 1_000_000  # trials or descents: the schema's limit of both
 SUMMARY_FILE = "summary.txt"
-COMPARISON_FILE = "comparison.csv"
 
 T = TypeVar("T")
 
@@ -113,10 +112,7 @@ def benchmark(
     table = trial_table(grid_cells, done)
     assert not table[OUTCOMES].isna().any(axis=None)
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
-    comparison = comparison_table(table, settings.statistics.significance_level)
-    publish_csv(folder / COMPARISON_FILE, comparison)
-    contrasted = contrasts(table, settings.statistics, grid.benchmark.seed)
-    publish_csv(folder / CONTRASTS_FILE, contrasted)
+    comparison, contrasted = publish_comparisons(folder, table, settings.statistics, grid.benchmark.seed)
     summary = summary_text(comparison, settings.statistics.significance_level)
     summary += "\n" + contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]

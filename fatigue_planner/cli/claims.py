@@ -16,9 +16,8 @@ from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.study.benchmark.results import load_results
 from fatigue_planner.study.benchmark.tables import TRIALS_FILE
 from fatigue_planner.study.claims.answers import VERDICTS
-from fatigue_planner.study.claims.evaluation import evaluate
+from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, evaluate
 from fatigue_planner.study.claims.loader import load_claims
-from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
 from fatigue_planner.study.claims.text import claims_text
 from fatigue_planner.study.statistics.pairing import records
 
@@ -40,7 +39,7 @@ def claims(
     folder = results / experiment.name
     command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results)
     tables = load_results(experiment, folder, command)
-    found = evaluate(loaded.claims, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
+    found = evaluate(loaded.claims, tables.trials, tables.contrasts, experiment.statistics, tables.bounds)
     publish_csv(folder / CLAIMS_FILE, found.claims)
     publish_csv(folder / DETAIL_FILE, found.detail)
     read = [folder / name for name in (TRIALS_FILE, *([] if tables.bounds is None else [BOUNDS_FILE]))]

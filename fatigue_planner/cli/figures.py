@@ -13,11 +13,10 @@ from fatigue_planner.cli.options import (
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.files import writable_folder
 from fatigue_planner.core.provenance import publish_manifest
-from fatigue_planner.experiment.build import load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.results import load_results
-from fatigue_planner.study.statistics.comparison import comparison_table
 
 
 def figures(
@@ -39,9 +38,9 @@ def figures(
     drawn = FigureFolder(results / settings.name)
     if settings.figures:
         tables = load_results(settings, drawn.folder, command_line("benchmark", experiment, cache, results))
-        draw_returns(drawn, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+        draw_returns(drawn, settings, tables.comparison)
     writable_folder(drawn.folder)
-    draw_reactions(drawn, settings, reactions, worker_fatigue(settings))
+    draw_reactions(drawn, settings, reactions, worker_fatigue(settings), cycle_profiles(settings, reactions))
     note = {"reactions": digests(reaction_requests(settings))}
     hashes = publish_manifest(drawn.folder, "figures", note, drawn.files)
     pictures = [f"{path} (and .svg, .csv)" for path in drawn.files if path.suffix == ".png"]

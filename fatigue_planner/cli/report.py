@@ -46,8 +46,9 @@ def report(
     reactions = load_reactions(settings, cache, simulate)
     folder = results / settings.name
     tables = load_results(settings, folder, benchmark)
-    grid = cells(settings, cycle_profiles(settings, reactions))
-    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, folder))
+    profiles = cycle_profiles(settings, reactions)
+    grid = cells(settings, profiles)
+    report_data = ReportData(settings, reactions, profiles, tables, courses(grid, tables, folder))
     figures = FigureFolder(folder)
     path = folder / REPORT_FILE
     study = study_of(settings, results)

@@ -75,8 +75,8 @@ def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory:
 
 def report_data(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> ReportData:
     tables = load_results(experiment, folder, COMMAND)
-    grid = cells(experiment, cycle_profiles(experiment, reactions))
-    return ReportData(experiment, reactions, grid, tables, courses(grid, tables, folder))
+    profiles = cycle_profiles(experiment, reactions)
+    return ReportData(experiment, reactions, profiles, tables, courses(cells(experiment, profiles), tables, folder))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder])
     files = {str(attributes["href"]) for _, attributes in read.tags if str(attributes.get("href", "")).endswith(".csv")}
     for file in files:
         assert (figures.folder / file).stat().st_size > 0, file
-    assert {path.name for path in figures.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
+    assert {path.name for path in figures.files if path.suffix == ".csv"} <= files
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ def test_claims_about_another_experiment_are_refused(
 
 def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
     one = report_data(small, reactions, folder)
-    table = estimate_table(one.contrasts, one.results.trials, "greedy").set_index("condition")
+    table = estimate_table(one.results.contrasts, one.results.trials, "greedy").set_index("condition")
     cost = -one.results.trials.groupby(["condition", "policy"])["discounted_return"].mean()
     for condition in small.benchmark.conditions:
         expected = cost[condition, "alternating"] / cost[condition, "greedy"] - 1

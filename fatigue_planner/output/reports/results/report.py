@@ -65,5 +65,5 @@ def evaluate_claims(report_data: ReportData, file: Path, experiment_file: Path) 
     loaded = load_claims(file)
     if loaded.experiment_file.resolve() != experiment_file.resolve():
         raise ClaimsError(f"{file}: experiment: is {loaded.experiment_file}; should be {experiment_file.name}.")
-    statistics, seed = report_data.experiment.statistics, report_data.experiment.benchmark.seed
-    return evaluate(loaded.claims, report_data.results.trials, statistics, seed, report_data.results.bounds)
+    results = report_data.results
+    return evaluate(loaded.claims, results.trials, results.contrasts, report_data.experiment.statistics, results.bounds)
