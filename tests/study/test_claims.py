@@ -64,6 +64,8 @@ CASES = {
     "exactly worse": {"a": -103.0, "b": -100.0},
     "value against chance": {"a": -97.0, "b": B},
     "value lost in noise": {"a": -99.5, "b": shifted(0, own=10)},
+    "the same in every run": {"a": B * (1 - 1e-15), "b": B},
+    "the same without spread": {"a": [-100.0] * RUNS, "b": [-100.0] * RUNS},
 }
 
 
@@ -132,7 +134,8 @@ def evaluated(
 )  # fmt: skip
 def test_questions_of_a_pair(relation: str, expected: dict[str, tuple[Answer, Answer]]) -> None:
     unknown = dict.fromkeys(("once", "gaps", "unrun"), (O, O))
-    for case, both in (expected | unknown).items():
+    same = dict.fromkeys(("the same in every run", "the same without spread"), expected["same"])
+    for case, both in (expected | unknown | same).items():
         assert answers(claim(relation, "a", "b"), runs(CASES[case])) == both, case
 
 

@@ -129,7 +129,10 @@ class Analysis:
 
     def _untested(self, pair: MeasuredPair) -> bool:
         """Whether the values are taken as they are, without a test."""
-        return pair.exact if self.modern else pair.first.deterministic or pair.second.deterministic
+        if self.modern:
+            return pair.exact
+        without_spread = pair.exact and math.isnan(pair.contrast.student_p)
+        return pair.first.deterministic or pair.second.deterministic or without_spread
 
     def _difference(self, pair: MeasuredPair) -> float:
         """First minus second: the mean of the differences where runs are paired, else the difference of the means."""

@@ -33,8 +33,8 @@ class MeasuredPair:
 
     @property
     def difference(self) -> float:
-        """Of the means; positive: the first is better."""
-        return self.first.mean - self.second.mean
+        """Of the means, rounding aside; positive: the first is better."""
+        return self.contrast.difference if self.exact else self.first.mean - self.second.mean
 
     @property
     def exact(self) -> bool:

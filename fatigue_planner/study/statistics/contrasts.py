@@ -45,18 +45,22 @@ def compute_contrast(
         equivalence_margin=settings.equivalence_margin * contrast.mean_cost,
     )
     if not any(pairs.drawn):
-        return _exact(contrast)
+        improved = improvement(pairs.differences)
+        contrast = replace(contrast, improvement=improved, improvement_low=improved, improvement_high=improved)
+        return _exact(contrast, "deterministic: nothing is left to chance")
     if len(pairs.first) < 2:
         return replace(contrast, note="n/a (one run only)")
     contrast = _with_shares(_with_unpaired(contrast, pairs), pairs, settings.significance_level)
+    if not pairs.differences.any():
+        return _exact(contrast, "the same in every run")
     if pairs.constant():
         return replace(contrast, note="n/a (constant differences)")
     return _with_paired(contrast, pairs, settings, seed)
 
 
-def _exact(contrast: Contrast) -> Contrast:
+def _exact(contrast: Contrast, reason: str) -> Contrast:
+    """Chance has no part in the difference: its intervals have no width, and there is nothing to test."""
     difference = contrast.difference
-    share = improvement(np.array([difference]))
     return replace(
         contrast,
         standard_error=0.0,
@@ -64,11 +68,8 @@ def _exact(contrast: Contrast) -> Contrast:
         t_high=difference,
         bca_low=difference,
         bca_high=difference,
-        improvement=share,
-        improvement_low=share,
-        improvement_high=share,
         equivalent_within=abs(contrast.relative_difference),
-        note="n/a (deterministic: nothing is left to chance)",
+        note=f"n/a ({reason})",
     )
 
 
