@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import pandas as pd
 import typer
@@ -23,9 +23,10 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
+from fatigue_planner.core.errors import listed
 from fatigue_planner.core.executors.executor import Executor
-from fatigue_planner.core.files import publish_text, remove, writable_folder
-from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.core.files import publish_text, writable_folder
+from fatigue_planner.core.provenance import MANIFEST_FILE, noted_files, publish_manifest
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
@@ -33,12 +34,12 @@ from fatigue_planner.output.reports.html.blocks import counted
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
+from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds, run_bounds
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.regret import RegretJob
-from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE, publish_comparisons
+from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE, keep_or_remove, publish_comparisons
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 from fatigue_planner.study.benchmark.tables import (
@@ -49,6 +50,7 @@ from fatigue_planner.study.benchmark.tables import (
     TIMES_FILE,
     TRIALS_FILE,
     publish_table,
+    read_table,
     regret_rows,
     trial_table,
 )
@@ -113,13 +115,17 @@ def benchmark(
     assert not table[OUTCOMES].isna().any(axis=None)
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
     comparison, contrasted = publish_comparisons(folder, table, settings.statistics, grid.benchmark.seed)
-    summary = summary_text(comparison, settings.statistics.significance_level)
-    summary += "\n" + contrast_text(contrasted, settings.statistics)
+    summary = f"{summary_text(comparison, settings.statistics.significance_level)}\n"
+    summary += contrast_text(contrasted, settings.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
-    regrets = gaps = None
+    kept, warnings = keep_or_remove(grid, folder, [REGRET_FILE] * (not regret) + [BOUNDS_FILE] * (not bound))
+    regrets = gaps = losses = None
     if regret:
         losses = _measure_regret(grid_cells, done, judges, store, executor)
         publish_table(folder, losses, [REGRET_FILE])
+    elif REGRET_FILE in kept:
+        losses, judges = read_table(folder, REGRET_FILE, ""), kept[REGRET_FILE].references
+    if losses is not None:
         names = {condition: describe(reference) for condition, reference in judges.items()}
         regrets = regret_table(table.merge(losses, on=KEY))
         summary += "\n" + regret_text(regrets, names)
@@ -127,11 +133,12 @@ def benchmark(
     if bound:
         gaps = gap_table(comparison, _run_bounds(grid_cells, results / settings.name / "bounds", executor))
         publish_bounds(folder, gaps)
+    elif BOUNDS_FILE in kept:
+        gaps = read_bounds(folder, "")
+    if gaps is not None:
         hidden = dict.fromkeys(cell.condition for cell in grid_cells if cell.scenario.prior is not None)
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
-    for file in {REGRET_FILE, BOUNDS_FILE} - set(files):
-        remove(folder / file)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": grid.plain(),
@@ -139,17 +146,29 @@ def benchmark(
         "reactions": digests(reaction_requests(settings)),
         "references": {condition: reference.plain() for condition, reference in judges.items()},
     }
-    hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
+    hashes = _note(folder, configuration, files)
+    warn(warnings)
     others = ", ".join([*files[1:], TIMES_FILE, MANIFEST_FILE])
     document = BenchmarkRun(
         folder=folder,
         files=hashes,
         runs=len(table),
         comparison=records(comparison),
-        regret=None if regrets is None else records(regrets),
-        bounds=None if gaps is None else records(gaps),
+        regret=records(regrets) if regret and regrets is not None else None,
+        bounds=records(gaps) if bound and gaps is not None else None,
     )
     present(document, f"{summary}\n{folder}: {TRIALS_FILE} ({len(table)} runs), {others}", as_json)
+
+
+def _note(folder: Path, configuration: Mapping[str, Any], files: Sequence[str]) -> dict[str, str]:
+    """Publish the manifest; say what other commands have made of tables that are others now."""
+    earlier = noted_files(folder)
+    hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
+    own = earlier.pop("benchmark", {})
+    if earlier and any(hashes.get(file) != digest for file, digest in own.items()):
+        commands = listed(f"`fatplan {command}`" for command in sorted(earlier))
+        warn([f"{folder}: what {commands} made there is of the earlier tables."])
+    return hashes
 
 
 def _plan(experiment: Experiment, grid: Sequence[Cell], store: Path, jobs: int) -> BenchmarkPlan:

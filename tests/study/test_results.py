@@ -15,9 +15,9 @@ from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.benchmark.results import CONTRASTS_FILE, courses, load_folder, load_results
+from fatigue_planner.study.benchmark.results import CONTRASTS_FILE, courses, keep_or_remove, load_folder, load_results
 from fatigue_planner.study.benchmark.selection import Selection, cells, selected
-from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, TRIALS_FILE
+from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, KEY, REGRET_FILE, TRIALS_FILE, publish_table
 from fatigue_planner.study.statistics.comparison import comparison_table
 from fatigue_planner.study.statistics.contrasts import contrasts
 
@@ -164,6 +164,28 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(DamagedFileError, match="not one of our tables"):
         load_results(small, folder, COMMAND)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda folder: None, None),
+        (lambda folder: alter(folder / ACTIONS_FILE, lambda lines: [*lines[:-1], lines[1]]), "different: runs"),
+        (lambda folder: alter(folder / REGRET_FILE, lambda lines: lines[:-1]), "it is now regret.damaged-1"),
+    ],
+    ids=["same runs", "other runs", "damaged"],
+)
+def test_tables_of_an_earlier_run_stay_only_with_its_runs(
+    small: Experiment, folder: Path, change: Callable[[Path], None], said: str | None
+) -> None:
+    regret = pd.read_csv(folder / TRIALS_FILE)[KEY].assign(decision_loss=0.1, run_loss=0.5, agreement=0.5)
+    publish_table(folder, regret, [REGRET_FILE])
+    seal(small, folder, REGRET_FILE)
+    change(folder)
+    kept, warnings = keep_or_remove(small, folder, [REGRET_FILE, BOUNDS_FILE])
+    assert (list(kept) == [REGRET_FILE]) == (folder / REGRET_FILE).exists() == (said is None)
+    if said is not None:
+        assert len(warnings) == 1 and said in warnings[0] and warnings[0].endswith("`--regret` makes it again.")
 
 
 def write_manifest(folder: Path, entry: dict[str, object]) -> None:

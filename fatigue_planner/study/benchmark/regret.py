@@ -82,7 +82,7 @@ class RegretJob(Job[Regret]):
         return Regret(**row)
 
     def accepts(self, trial: int, result: Regret) -> bool:
-        """See Job.accepts: with a time budget a policy may act otherwise when run again; a grid may have fewer trials."""
+        """See Job.accepts: a policy with a time budget may act otherwise when run again; a grid may be smaller."""
         return trial in self.actions and result.judged == digest_of(list(self.actions[trial]))
 
     def outcome(self, result: Regret) -> tuple[Any, ...]:

@@ -8,9 +8,9 @@ from typing import Any, Self
 import pandas as pd
 from pydantic import BaseModel, model_validator
 
-from fatigue_planner.core.errors import DamagedFileError, StaleTableError
-from fatigue_planner.core.files import publish_csv
-from fatigue_planner.core.provenance import Note, check_intact, read_note
+from fatigue_planner.core.errors import DamagedFileError, StaleTableError, listed
+from fatigue_planner.core.files import publish_csv, remove, set_aside
+from fatigue_planner.core.provenance import Note, check_intact, read_note, sha256, versions
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
@@ -103,8 +103,8 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     differs; DamagedFileError, naming them, for rows that are there twice, are missing or belong to no cell of the grid,
     and for files that are not what was written.
     """
-    there = {file: (folder / file).exists() for file in (REGRET_FILE, BOUNDS_FILE)}
-    command += "".join(f" {option}" for file, option in zip(there, ("--regret", "--bound"), strict=True) if there[file])
+    there = {file: (folder / file).exists() for file in OPTIONAL_FILES}
+    command += "".join(f" {option}" for file, option in OPTIONAL_FILES.items() if there[file])
     trials = read_table(folder, TRIALS_FILE, command)
     note = read_note(folder, "benchmark", BenchmarkNote, command)
     _check_origin(note, experiment, folder, command)
@@ -136,6 +136,41 @@ def publish_comparisons(
     contrasted = contrasts(trials, settings, seed)
     publish_csv(folder / CONTRASTS_FILE, contrasted)
     return comparison, contrasted
+
+
+# Tables that only runs with an option make, and the option.
+OPTIONAL_FILES = {REGRET_FILE: "--regret", BOUNDS_FILE: "--bound"}
+
+
+def keep_or_remove(
+    experiment: Experiment, folder: Path, files: Sequence[str]
+) -> tuple[dict[str, BenchmarkNote], list[str]]:
+    """Which of these optional files, of earlier runs, still belong to the experiment and to the runs in the folder.
+
+    It is asked when trials.csv and actions.csv are written anew, but not the manifest. Returns, by file, the note of
+    the run that made it, and warnings: what belongs to other runs is removed, what is damaged set aside. Raises
+    OutputFolderError if that cannot be done.
+    """
+    kept: dict[str, BenchmarkNote] = {}
+    warnings = []
+    for path in [folder / file for file in files if (folder / file).exists()]:
+        again = f"`{OPTIONAL_FILES[path.name]}` makes it again."
+        try:
+            note = read_note(folder, "benchmark", BenchmarkNote, "")
+            check_intact(folder, note, path.name, "")
+        except DamagedFileError:
+            warnings.append(f"{path}: is not what was written; it is now {set_aside(path).name}. {again}")
+            continue
+        changed = [key for key in _changed_settings(note, experiment) if key != "statistics"]
+        changed += ["versions"] if note.versions != versions() else []
+        if not changed and any(note.sha256.get(name) != sha256(folder / name) for name in (TRIALS_FILE, ACTIONS_FILE)):
+            changed.append("runs")
+        if changed:
+            remove(path)
+            warnings.append(f"{path}: was of an earlier run (different: {listed(changed)}) and is removed. {again}")
+        else:
+            kept[path.name] = note
+    return kept, warnings
 
 
 def _read_comparisons(folder: Path, command: str) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -222,10 +257,14 @@ def _check_rows(
 
 
 def _check_origin(note: BenchmarkNote, experiment: Experiment, folder: Path, command: str) -> None:
-    made, now = note.experiment, experiment.plain()
-    changed = [key for key in now if key != "figures" and made.get(key) != now[key]]
-    if note.reactions != digests(reaction_requests(experiment)):
-        changed.append("reactions")
+    changed = _changed_settings(note, experiment)
     if changed:
         path = folder / (CONTRASTS_FILE if changed == ["statistics"] else TRIALS_FILE)
         raise StaleTableError(f"{path}: was made with other settings ({', '.join(changed)}). Run `{command}`.")
+
+
+def _changed_settings(note: BenchmarkNote, experiment: Experiment) -> list[str]:
+    """What decides the tables and has changed since they were made."""
+    made, now = note.experiment, experiment.plain()
+    changed = [key for key in now if key != "figures" and made.get(key) != now[key]]
+    return changed + (["reactions"] if note.reactions != digests(reaction_requests(experiment)) else [])

@@ -2,7 +2,6 @@
 
 from dataclasses import asdict, replace
 
-import numpy as np
 import pandas as pd
 
 from fatigue_planner.core.random_streams import random_stream
