@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from fatigue_planner.study.benchmark.trial import TrialResult
 
 SUMMARY_FILE = "summary.txt"
-COMPARISON_FILE = "comparison.csv"
 
 T = TypeVar("T")
 
@@ -115,18 +114,19 @@ def _publish(
     losses: "pd.DataFrame | None",
     bounds: "pd.DataFrame | None",
 ) -> tuple[dict[str, Any], str]:
-    """Everything on disk; its JSON document, and its summary for people."""
-    from fatigue_planner.core.files import publish_csv, publish_text, remove
-    from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+    """Everything on disk; its JSON document, and its summary for people.
+
+    Regret and bounds of an earlier run stay if they belong to these runs; else it is said that they go.
+    """
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.core.provenance import MANIFEST_FILE
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.planners.reference import describe
     from fatigue_planner.reactions.reaction import digests
-    from fatigue_planner.study.benchmark import tables
-    from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds
-    from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
-    from fatigue_planner.study.statistics.comparison import comparison_table, summary_text
+    from fatigue_planner.study.benchmark import results, tables
+    from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds
+    from fatigue_planner.study.statistics.comparison import summary_text
     from fatigue_planner.study.statistics.contrast_text import contrast_text
-    from fatigue_planner.study.statistics.contrasts import CONTRASTS_FILE, contrasts
     from fatigue_planner.study.statistics.pairing import records
     from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
@@ -134,26 +134,29 @@ def _publish(
     table = tables.trial_table(grid, done)
     assert not table[tables.OUTCOMES].isna().any(axis=None)
     tables.publish_table(folder, table, [tables.TRIALS_FILE, tables.ACTIONS_FILE, tables.TIMES_FILE])
-    comparison = comparison_table(table, statistics.significance_level)
-    publish_csv(folder / COMPARISON_FILE, comparison)
-    contrasted = contrasts(table, statistics, experiment.benchmark.seed)
-    publish_csv(folder / CONTRASTS_FILE, contrasted)
+    comparison, contrasted = results.publish_comparisons(folder, table, statistics, experiment.benchmark.seed)
     summary = summary_text(comparison, statistics.significance_level) + "\n" + contrast_text(contrasted, statistics)
-    files = [tables.TRIALS_FILE, tables.ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
-    regrets = gaps = None
+    files = [tables.TRIALS_FILE, tables.ACTIONS_FILE, results.COMPARISON_FILE, results.CONTRASTS_FILE, SUMMARY_FILE]
+    asked = {tables.REGRET_FILE: losses is not None, BOUNDS_FILE: bounds is not None}
+    kept, warnings = results.keep_or_remove(experiment, folder, [file for file, wanted in asked.items() if not wanted])
     if losses is not None:
         tables.publish_table(folder, losses, [tables.REGRET_FILE])
+    elif tables.REGRET_FILE in kept:
+        losses, judges = tables.read_table(folder, tables.REGRET_FILE, ""), kept[tables.REGRET_FILE].references
+    regrets = gaps = None
+    if losses is not None:
         regrets = regret_table(table.merge(losses, on=tables.KEY))
         summary += "\n" + regret_text(regrets, {name: describe(reference) for name, reference in judges.items()})
         files.append(tables.REGRET_FILE)
     if bounds is not None:
         gaps = gap_table(comparison, bounds)
         publish_bounds(folder, gaps)
+    elif BOUNDS_FILE in kept:
+        gaps = read_bounds(folder, "")
+    if gaps is not None:
         hidden = dict.fromkeys(cell.condition for cell in grid if cell.scenario.prior is not None)
         summary += "\n" + gap_text(gaps, list(hidden))
         files.append(BOUNDS_FILE)
-    for file in {tables.REGRET_FILE, BOUNDS_FILE} - set(files):
-        remove(folder / file)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": experiment.plain(),
@@ -162,18 +165,33 @@ def _publish(
         "reactions": digests(reaction_requests(experiment)),
         "references": {condition: reference.plain() for condition, reference in judges.items()},
     }
-    files.append(EXPERIMENT_FILE)
-    hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
+    files.append(results.EXPERIMENT_FILE)
+    hashes = _note(folder, configuration, files)
+    warn(warnings)
     document = {
         "folder": folder,
         "files": hashes,
         "runs": len(table),
         "comparison": records(comparison),
-        "regret": None if regrets is None else records(regrets),
-        "bounds": None if gaps is None else records(gaps),
+        "regret": records(regrets) if asked[tables.REGRET_FILE] and regrets is not None else None,
+        "bounds": records(gaps) if asked[BOUNDS_FILE] and gaps is not None else None,
     }
     others = ", ".join([*files[1:], tables.TIMES_FILE, MANIFEST_FILE])
     return document, f"{summary}\n{folder}: {tables.TRIALS_FILE} ({len(table)} runs), {others}"
+
+
+def _note(folder: Path, configuration: Mapping[str, Any], files: Sequence[str]) -> dict[str, str]:
+    """Publish the manifest; say what other commands have made of tables that are others now."""
+    from fatigue_planner.core.errors import listed
+    from fatigue_planner.core.provenance import noted_files, publish_manifest
+
+    earlier = noted_files(folder)
+    hashes = publish_manifest(folder, "benchmark", configuration, [folder / name for name in files])
+    own = earlier.pop("benchmark", {})
+    if earlier and any(hashes.get(file) != digest for file, digest in own.items()):
+        commands = listed(f"`fatplan {command}`" for command in sorted(earlier))
+        warn([f"{folder}: what {commands} made there is of the earlier tables."])
+    return hashes
 
 
 def _plan(experiment: "Experiment", grid: "Sequence[Cell]", store: Path, jobs: int) -> dict[str, Any]:

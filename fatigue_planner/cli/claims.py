@@ -54,9 +54,8 @@ def claims(
     from fatigue_planner.study.benchmark.selection import Selection, selected
     from fatigue_planner.study.benchmark.tables import TRIALS_FILE
     from fatigue_planner.study.claims.answers import VERDICTS
-    from fatigue_planner.study.claims.evaluation import evaluate
+    from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, evaluate
     from fatigue_planner.study.claims.loader import load_claims
-    from fatigue_planner.study.claims.tables import CLAIMS_FILE, DETAIL_FILE
     from fatigue_planner.study.claims.text import claims_text
     from fatigue_planner.study.statistics.pairing import records
 
@@ -72,7 +71,7 @@ def claims(
     if not about:
         raise SelectionError(f"{claims}: every claim is about more than the grid that was run.")
     tables = load_results(experiment, folder, command)
-    found = evaluate(about, tables.trials, experiment.statistics, experiment.benchmark.seed, tables.bounds)
+    found = evaluate(about, tables.trials, tables.contrasts, experiment.statistics, tables.bounds)
     publish_csv(folder / CLAIMS_FILE, found.claims)
     publish_csv(folder / DETAIL_FILE, found.detail)
     read = [folder / name for name in (TRIALS_FILE, *([] if tables.bounds is None else [BOUNDS_FILE]))]

@@ -34,8 +34,8 @@ def compare(
     if save is not None:
         figures = FigureFolder(writable_folder(save.parent))
         publish_text(save, compare_page(found, figures, save.stem))
-        files = [save, figures.files[0]]
-        text += f"\n{save}, {figures.files[0]}"
+        files = [save, *figures.files]
+        text += "\n" + ", ".join(map(str, files))
     document = {
         "folders": found.names,
         "settings": found.settings,

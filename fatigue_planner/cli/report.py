@@ -97,16 +97,15 @@ def _draw(
 ) -> list[Path]:
     """Figures of the returns, if the experiment names some, and of the reactions; the command makes the tables."""
     from fatigue_planner.core.files import writable_folder
-    from fatigue_planner.experiment.build import worker_fatigue
+    from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
     from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns
     from fatigue_planner.study.benchmark.results import load_results
-    from fatigue_planner.study.statistics.comparison import comparison_table
 
     if settings.figures:
         tables = load_results(settings, figures.folder, benchmark)
-        draw_returns(figures, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+        draw_returns(figures, settings, tables.comparison)
     writable_folder(figures.folder)
-    draw_reactions(figures, settings, reactions, worker_fatigue(settings))
+    draw_reactions(figures, settings, reactions, worker_fatigue(settings), cycle_profiles(settings, reactions))
     return figures.files
 
 
@@ -129,8 +128,9 @@ def _write_page(
 
     simulate, benchmark, own = commands
     tables = load_results(settings, figures.folder, benchmark)
-    grid = cells(settings, cycle_profiles(settings, reactions))
-    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, figures.folder))
+    profiles = cycle_profiles(settings, reactions)
+    grid = cells(settings, profiles)
+    report_data = ReportData(settings, reactions, profiles, tables, courses(grid, tables, figures.folder))
     study = study_of(settings, figures.folder.parent)
     shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     path = figures.folder / REPORT_FILE

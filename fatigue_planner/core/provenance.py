@@ -40,7 +40,7 @@ def publish_manifest(folder: Path, made_by: str, configuration: Mapping[str, Any
     """
     path = folder / MANIFEST_FILE
     manifest = _read_manifest(path)
-    hashes = {file.relative_to(folder).as_posix(): _sha256(file) for file in files}
+    hashes = {file.relative_to(folder).as_posix(): sha256(file) for file in files}
     entry = json.loads(canonical_json({"versions": versions(), **configuration, "sha256": hashes}))
     manifest[made_by] = {**entry, SEAL: digest_of(entry)}
     publish_text(path, _text(manifest))
@@ -68,7 +68,8 @@ def _read_manifest(path: Path) -> dict[str, Any]:
     return {}
 
 
-def _sha256(file: Path, advice: str = "") -> str:
+def sha256(file: Path, advice: str = "") -> str:
+    """SHA-256, in hex, of a file. Raises DamagedFileError if it cannot be read."""
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError as error:
@@ -83,6 +84,11 @@ class Note(BaseModel):
     versions: dict[str, str]
     sha256: dict[str, str]
     reactions: dict[str, str]
+
+
+def noted_files(folder: Path) -> dict[str, dict[str, str]]:
+    """By command, the SHA-256 of the files it has noted in a folder, by name."""
+    return {command: dict(entry["sha256"]) for command, entry in _read_manifest(folder / MANIFEST_FILE).items()}
 
 
 N = TypeVar("N", bound=Note)
@@ -113,5 +119,5 @@ def read_note(folder: Path, made_by: str, kind: type[N], command: str) -> N:
 
 def check_intact(folder: Path, note: Note, file: str, command: str) -> None:
     """Raise DamagedFileError unless a file is what was written when the note was made."""
-    if note.sha256.get(file) != _sha256(folder / file, f" Run `{command}`."):
+    if note.sha256.get(file) != sha256(folder / file, f" Run `{command}`."):
         raise DamagedFileError(f"{folder / file}: is not what was written; it was altered or damaged. Run `{command}`.")

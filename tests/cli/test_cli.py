@@ -107,6 +107,19 @@ def test_regret_and_bound_are_told_and_kept(cache_folder: Path, tmp_path: Path) 
     files = json.loads((folder / "manifest.json").read_text())["benchmark"]["sha256"]
     assert {"regret.csv", "bounds.csv", "trials.csv"} <= set(files)
     assert fatplan(*command).stdout == done.stdout
+    # without the options they stay, as they belong to the same runs
+    assert fatplan(*command[:-2]).stdout == done.stdout
+    assert json.loads((folder / "manifest.json").read_text())["benchmark"]["sha256"] == files
+    # with other settings they are removed, and it is said
+    other = tmp_path / "other" / "paper.yaml"
+    other.parent.mkdir()
+    other.write_text(PAPER.read_text().replace("discount: 0.95", "discount: 0.9"))
+    done = fatplan("benchmark", other, *command[2:-2])
+    assert done.returncode == 0 and not (folder / "regret.csv").exists() and not (folder / "bounds.csv").exists()
+    for file in ("regret.csv --regret", "bounds.csv --bound"):
+        name, option = file.split()
+        message = f"{folder / name}: was of an earlier run (different: discount) and is removed. `{option}` makes it"
+        assert message in " ".join(done.stderr.split())
 
 
 def test_options_restrict_the_grid_in_a_folder_of_its_own(cache_folder: Path, tmp_path: Path) -> None:

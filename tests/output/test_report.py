@@ -30,7 +30,7 @@ from fatigue_planner.output.reports.html.blocks import (
     significant,
 )
 from fatigue_planner.output.reports.html.page import page
-from fatigue_planner.output.reports.results.compare import compare, compare_text
+from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report import report
 from fatigue_planner.output.reports.results.report_data import ReportData
@@ -75,8 +75,8 @@ def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory:
 
 def report_data(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> ReportData:
     tables = load_results(experiment, folder, COMMAND)
-    grid = cells(experiment, cycle_profiles(experiment, reactions))
-    return ReportData(experiment, reactions, grid, tables, courses(grid, tables, folder))
+    profiles = cycle_profiles(experiment, reactions)
+    return ReportData(experiment, reactions, profiles, tables, courses(cells(experiment, profiles), tables, folder))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +111,7 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder])
     files = {str(attributes["href"]) for _, attributes in read.tags if str(attributes.get("href", "")).endswith(".csv")}
     for file in files:
         assert (figures.folder / file).stat().st_size > 0, file
-    assert {path.name for path in figures.files if path.suffix == ".csv"} <= files | {"contrasts.csv"}
+    assert {path.name for path in figures.files if path.suffix == ".csv"} <= files
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ def test_claims_about_another_experiment_are_refused(
 
 def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
     one = report_data(small, reactions, folder)
-    table = estimate_table(one.contrasts, one.results.trials, "greedy").set_index("condition")
+    table = estimate_table(one.results.contrasts, one.results.trials, "greedy").set_index("condition")
     cost = -one.results.trials.groupby(["condition", "policy"])["discounted_return"].mean()
     for condition in small.benchmark.conditions:
         expected = cost[condition, "alternating"] / cost[condition, "greedy"] - 1
@@ -203,6 +203,28 @@ def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, 
 def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
     text = compare_text(compare(folder, folder))
     assert text.count("the same in every run") == 6 and "The settings are the same." in text and "n/a" not in text
+
+
+def test_folders_with_nothing_in_common_are_told_apart(
+    small: Experiment, reactions: tuple[Reaction, ...], tmp_path: Path
+) -> None:
+    """No table without rows, and no setting as the text of a Python object."""
+    (rested, *others) = small.initial_beliefs["multiple"]
+    beliefs = {**small.initial_beliefs, "multiple": (rested.model_copy(update={"probability": 0.9}), *others)}
+    for name, policy in (("a", "greedy"), ("b", "alternating")):
+        own = selected(small, Selection(None, ["single_expert"], [policy], None, None, None))
+        publish(own.model_copy(update={"initial_beliefs": beliefs}) if name == "b" else own, reactions, tmp_path / name)
+    found = compare(tmp_path / "a", tmp_path / "b")
+    text, page_text = compare_text(found), compare_page(found, FigureFolder(tmp_path), "x")
+    for shown in (text, page_text):
+        assert "condition, number of cycles and policy) is in both" in shown and "p (Holm)" not in shown
+        assert "Only in A: single_expert/5/greedy." in shown and "{" not in re.sub(
+            "<style>.*</style>", "", shown, flags=re.S
+        )
+    assert not (tmp_path / "x.csv").exists()
+    probability = small.initial_beliefs["multiple"][0].probability
+    assert f"  initial_beliefs.multiple[0].probability: {probability}, 0.9\n" in text
+    assert "  benchmark.policies.greedy.kind: greedy, –\n" in text
 
 
 def test_blocks_are_escaped_and_numbered() -> None:

@@ -12,9 +12,9 @@ from conftest import PAPER
 from fatigue_planner.core.errors import ClaimsError, ExperimentError
 from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
 from fatigue_planner.study.claims.answers import Answer, all_of, any_of
-from fatigue_planner.study.claims.evaluation import Evaluation, evaluate, verdicts
+from fatigue_planner.study.claims.evaluation import Evaluation, evaluate, judge_claims
 from fatigue_planner.study.claims.loader import load_claims
-from fatigue_planner.study.claims.relations.registry import RELATIONS
+from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Claim
 from fatigue_planner.study.claims.text import claims_text
 from fatigue_planner.study.statistics.contrasts import contrasts
@@ -64,6 +64,8 @@ CASES = {
     "exactly worse": {"a": -103.0, "b": -100.0},
     "value against chance": {"a": -97.0, "b": B},
     "value lost in noise": {"a": -99.5, "b": shifted(0, own=10)},
+    "the same in every run": {"a": B * (1 - 1e-15), "b": B},
+    "the same without spread": {"a": [-100.0] * RUNS, "b": [-100.0] * RUNS},
 }
 
 
@@ -80,8 +82,18 @@ def claim(relation: str, policies: str, others: str = "", n_cycles: tuple[int, .
 
 
 def answers(one: Claim, trials: pd.DataFrame) -> tuple[Answer, Answer]:
-    found = verdicts({"it": one}, trials, contrasts(trials, SETTINGS, 0), SETTINGS)["it"]
-    return found.paper, found.modern
+    found = judge_claims({"it": one}, trials, contrasts(trials, SETTINGS, 0), SETTINGS)["it"]
+    return found.paper.answer, found.modern.answer
+
+
+def evaluated(
+    claims: Mapping[str, Claim],
+    trials: pd.DataFrame,
+    bounds: pd.DataFrame | None = None,
+    settings: StatisticsSettings = SETTINGS,
+    seed: int = 0,
+) -> Evaluation:
+    return evaluate(claims, trials, contrasts(trials, settings, seed), settings, bounds)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +134,8 @@ def answers(one: Claim, trials: pd.DataFrame) -> tuple[Answer, Answer]:
 )  # fmt: skip
 def test_questions_of_a_pair(relation: str, expected: dict[str, tuple[Answer, Answer]]) -> None:
     unknown = dict.fromkeys(("once", "gaps", "unrun"), (O, O))
-    for case, both in (expected | unknown).items():
+    same = dict.fromkeys(("the same in every run", "the same without spread"), expected["same"])
+    for case, both in (expected | unknown | same).items():
         assert answers(claim(relation, "a", "b"), runs(CASES[case])) == both, case
 
 
@@ -216,7 +229,7 @@ def test_no_single_best() -> None:
 def test_a_pair_in_no_family_is_undetermined() -> None:
     settings = SETTINGS.model_copy(update={"families": {"some": Family(policies=("a",), against=("c",))}})
     trials = runs(CASES["clear"] | {"c": B})
-    found = evaluate({"it": claim("better_mean", "a", "b")}, trials, settings, 0)
+    found = evaluated({"it": claim("better_mean", "a", "b")}, trials, settings=settings)
     assert found.claims["verdict"].tolist() == ["undetermined"] and "in no family" in found.claims["reason"][0]
 
 
@@ -245,13 +258,9 @@ def some_runs() -> pd.DataFrame:
     return pd.concat([runs(cell), runs(cell | {"b": shifted(0.6) + rng.normal(size=RUNS)}, ("novice", 20))])
 
 
-def evaluated(bounds: pd.DataFrame | None = None) -> Evaluation:
-    return evaluate(some_claims(), some_runs(), SETTINGS, 0, bounds)
-
-
 def test_order_of_rows_and_resampling_change_nothing() -> None:
-    trials, expected = some_runs(), evaluated()
-    mixed = evaluate(some_claims(), trials.sample(frac=1, random_state=1), SETTINGS, 7)
+    trials, expected = some_runs(), evaluated(some_claims(), some_runs())
+    mixed = evaluated(some_claims(), trials.sample(frac=1, random_state=1), seed=7)
     words = ["verdict", "paper_verdict", "reason", "paper_reason", "numbers"]
     pd.testing.assert_frame_equal(mixed.claims[words], expected.claims[words])
     columns = ["claim", "first", "second", "answer", "paper_answer"]
@@ -260,7 +269,7 @@ def test_order_of_rows_and_resampling_change_nothing() -> None:
 
 
 def test_the_detail_has_every_comparison_in_the_claims_order() -> None:
-    detail = evaluated().detail
+    detail = evaluated(some_claims(), some_runs()).detail
     assert detail.groupby("claim", sort=False).size().to_dict() == {
         "wins": 8, "alike": 6, "best": 8, "steady": 4, "none": 24
     }  # fmt: skip
@@ -277,16 +286,16 @@ def test_room_to_win_by_hand() -> None:
     trials = runs({"a": shifted(-1, own=2, shared=0), "b": shifted(0, own=2, shared=0)})
     bounds = pd.DataFrame({"condition": "novice", "n_cycles": [5, 5], "cost_bound": 99.5})
     spread = 2 * math.sqrt(RUNS / (RUNS - 1))
-    found = evaluate({"it": claim("better_mean", "a", "b")}, trials, SETTINGS, 0, bounds)
+    found = evaluated({"it": claim("better_mean", "a", "b")}, trials, bounds)
     row = found.detail.iloc[0]
     assert row["largest_win"] == pytest.approx(0.005, rel=1e-9)
     assert row["needed_win"] == pytest.approx(1.990847 * spread * math.sqrt(2 / RUNS) / 100, rel=1e-5)
     text = found.claims["room_to_win"][0]
     assert "no policy could win by more than 0.50 ± 0.32 % of b's cost, less than the margin" in text
     assert text.endswith("the paper's test needs 0.90 %")  # 0.50 + 2 x 0.32 is more
-    close = evaluate({"it": claim("better_mean", "a", "b")}, trials, SETTINGS, 0, bounds.assign(cost_bound=99.9))
+    close = evaluated({"it": claim("better_mean", "a", "b")}, trials, bounds.assign(cost_bound=99.9))
     assert "needs 0.90 %, so that not even the best possible could be expected to win" in close.claims["room_to_win"][0]
-    wide = evaluate({"it": claim("better_mean", "a", "b")}, trials, SETTINGS, 0, bounds.assign(cost_bound=90.0))
+    wide = evaluated({"it": claim("better_mean", "a", "b")}, trials, bounds.assign(cost_bound=90.0))
     assert "10.00 ± 0.32 % of b's cost; the paper's test needs 0.90 %" in wide.claims["room_to_win"][0]
     assert "not even" not in wide.claims["room_to_win"][0]
 
@@ -298,12 +307,12 @@ def test_room_to_win_is_said_of_wins_that_are_not_shown_only() -> None:
     different = claim("equivalent", "a b")
     claims = {"won": won, "lost": lost, "different": different}
     for bounds, expected in ((None, "not known: no bounds.csv"), (elsewhere, "not known: no bound for these")):
-        rooms = evaluate(claims, trials, SETTINGS, 0, bounds).claims["room_to_win"]
+        rooms = evaluated(claims, trials, bounds).claims["room_to_win"]
         assert rooms[0] == "" and rooms[1].startswith(expected) and rooms[2] == ""
 
 
 def test_the_text_names_every_claim_and_counts_the_verdicts() -> None:
-    table = evaluated().claims
+    table = evaluated(some_claims(), some_runs()).claims
     text = claims_text(table, 100)
     assert max(map(len, text.splitlines())) <= 100
     assert all(f"{name} (section V-a): " in text for name in some_claims())

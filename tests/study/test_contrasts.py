@@ -362,16 +362,24 @@ def test_one_run_of_chance_is_no_sample(deterministic: tuple[str, ...]) -> None:
     assert found.difference == pytest.approx(0.1) and found.verdict(0.05) == "undetermined"
 
 
-def test_differences_that_do_not_vary_have_no_test() -> None:
+def test_policies_that_are_the_same_in_every_run_are_equivalent() -> None:
+    """What rounding leaves is no difference; nor is chance that both have, but that never shows."""
+    a = np.random.default_rng(0).normal(size=20) - 5
+    for b in (a, a * (1 + 1e-15), np.full(20, -5.0)):
+        found = only(contrasts(trial_table({"a": np.full(20, -5.0) if b[0] == b[1] else a, "b": b}), SETTINGS, 1))
+        assert found.note == "n/a (the same in every run)" and found.verdict(0.05) == "equivalent"
+        numbers = ("difference", "standard_error", "t_low", "t_high", "bca_low", "bca_high", "equivalent_within")
+        assert {getattr(found, name) for name in numbers} == {0.0} and found.improvement == 0.5
+        assert all_nan(found, ["paired_p", "permutation_p", "holm_p", "cohen_dz", "equivalence_p"])
+        assert math.isnan(found.student_p) if b[0] == b[1] else found.student_p == pytest.approx(1)
+
+
+def test_a_constant_difference_has_no_test() -> None:
     """0.1 + x - x is not quite 0.1: what rounding leaves is no spread."""
     a = np.random.default_rng(0).normal(size=20) - 5
-    for b in (a, a - 0.1):
-        found = only(contrasts(trial_table({"a": a, "b": b}), SETTINGS, 1))
-        assert found.note == "n/a (constant differences)" and all_nan(found, PAIRED)
-        assert found.student_p > 0.05 and found.verdict(0.05) == "undetermined"
-        assert found.improvement == (0.5 if b is a else 1.0)
-    almost = only(contrasts(trial_table({"a": a, "b": a * (1 + 1e-15)}), SETTINGS, 1))
-    assert almost.improvement == 0.5 and almost.difference == 0
+    found = only(contrasts(trial_table({"a": a, "b": a - 0.1}), SETTINGS, 1))
+    assert found.note == "n/a (constant differences)" and all_nan(found, PAIRED)
+    assert found.student_p > 0.05 and found.verdict(0.05) == "undetermined" and found.improvement == 1.0
     flat = only(contrasts(trial_table({"a": [-1.0] * 5, "b": [-2.0] * 5}), SETTINGS, 1))
     assert flat.note == "n/a (constant differences)" and all_nan(flat, P_VALUES)
 

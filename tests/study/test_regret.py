@@ -91,6 +91,16 @@ def test_regret_of_other_actions_is_measured_again(scenarios: dict[str, Scenario
     assert second == other.run(range(3)) and all(second[trial] != first[trial] for trial in first)
 
 
+def test_what_is_stored_for_other_trials_is_ignored(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
+    """Three trials were judged; then the grid is restricted to the first."""
+    own = judged(cell(scenarios["single_novice"], "greedy", GreedySettings(kind="greedy")))
+    (first,), _ = run_grid([own], tmp_path, LocalProcesses(1), lambda _job, _n: None)
+    fewer = replace(own, cell=replace(own.cell, trials=1), actions={0: own.actions[0]})
+    assert fewer.digest() == own.digest()
+    (found,), warnings = run_grid([fewer], tmp_path, LocalProcesses(1), lambda _job, _n: None)
+    assert found == {0: first[0]} and warnings == []
+
+
 def test_the_judge_believes_what_the_policy_could(scenarios: dict[str, Scenario]) -> None:
     """Which of three states a run began in shows only in what was observed: the judge follows it."""
     one = scenarios["multiple_novice"]

@@ -11,14 +11,15 @@ from published import COMMAND, publish, seal
 
 from fatigue_planner.core.errors import DamagedFileError, FatplanError, MissingTableError, StaleTableError
 from fatigue_planner.core.files import digest_of
-from fatigue_planner.core.provenance import publish_manifest
-from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
+from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.reactions.reaction import Reaction, digests
+from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.benchmark.results import courses, load_folder, load_results
+from fatigue_planner.study.benchmark.results import CONTRASTS_FILE, courses, keep_or_remove, load_folder, load_results
 from fatigue_planner.study.benchmark.selection import Selection, cells, selected
-from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, TRIALS_FILE
+from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, KEY, REGRET_FILE, TRIALS_FILE, publish_table
+from fatigue_planner.study.statistics.comparison import comparison_table
+from fatigue_planner.study.statistics.contrasts import contrasts
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +107,21 @@ def test_tables_of_other_settings_are_refused(small: Experiment, folder: Path) -
         with pytest.raises(StaleTableError, match=f"other settings .*{name or 'tool, reactions'}"):
             load_results(small.model_copy(update=change), folder, COMMAND)
     looser = small.model_copy(update={"statistics": small.statistics.model_copy(update={"significance_level": 0.1})})
-    load_results(looser, folder, COMMAND)
+    with pytest.raises(StaleTableError, match=r"contrasts.csv: was made with other settings \(statistics\)\. Run"):
+        load_results(looser, folder, COMMAND)
+
+
+def test_comparisons_are_read_back_as_they_were_computed(small: Experiment, folder: Path) -> None:
+    found = load_results(small, folder, COMMAND)
+    level, seed = small.statistics.significance_level, small.benchmark.seed
+    for table, expected in (
+        (found.comparison, comparison_table(found.trials, level)),
+        (found.contrasts, contrasts(found.trials, small.statistics, seed)),
+    ):
+        pd.testing.assert_frame_equal(table, expected, check_exact=True)
+    alter(folder / CONTRASTS_FILE, lambda lines: [lines[0], lines[1].replace("e-", "e-1"), *lines[2:]])
+    with pytest.raises(DamagedFileError, match=r"contrasts\.csv: is not what was written"):
+        load_results(small, folder, COMMAND)
 
 
 def test_what_is_not_there_is_said(small: Experiment, folder: Path, tmp_path: Path) -> None:
@@ -128,8 +143,7 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
     seal(small, folder)
     with pytest.raises(DamagedFileError, match=r"bounds.csv: is not what was written.*Run `fatplan benchmark --bound`"):
         load_results(small, folder, COMMAND)  # the note does not speak of it
-    note = {"experiment": small.plain(), "reactions": digests(reaction_requests(small)), "seed": 1, "references": {}}
-    publish_manifest(folder, "benchmark", note, [folder / name for name in (TRIALS_FILE, ACTIONS_FILE, BOUNDS_FILE)])
+    seal(small, folder, BOUNDS_FILE)
     found = load_results(small, folder, COMMAND)
     assert found.bounds is not None and found.options == " --bound" and len(found.bounds) == len(grid)
     for change, message in (
@@ -150,6 +164,28 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
     path.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(DamagedFileError, match="not one of our tables"):
         load_results(small, folder, COMMAND)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda folder: None, None),
+        (lambda folder: alter(folder / ACTIONS_FILE, lambda lines: [*lines[:-1], lines[1]]), "different: runs"),
+        (lambda folder: alter(folder / REGRET_FILE, lambda lines: lines[:-1]), "it is now regret.damaged-1"),
+    ],
+    ids=["same runs", "other runs", "damaged"],
+)
+def test_tables_of_an_earlier_run_stay_only_with_its_runs(
+    small: Experiment, folder: Path, change: Callable[[Path], None], said: str | None
+) -> None:
+    regret = pd.read_csv(folder / TRIALS_FILE)[KEY].assign(decision_loss=0.1, run_loss=0.5, agreement=0.5)
+    publish_table(folder, regret, [REGRET_FILE])
+    seal(small, folder, REGRET_FILE)
+    change(folder)
+    kept, warnings = keep_or_remove(small, folder, [REGRET_FILE, BOUNDS_FILE])
+    assert (list(kept) == [REGRET_FILE]) == (folder / REGRET_FILE).exists() == (said is None)
+    if said is not None:
+        assert len(warnings) == 1 and said in warnings[0] and warnings[0].endswith("`--regret` makes it again.")
 
 
 def write_manifest(folder: Path, entry: dict[str, object]) -> None:

@@ -23,8 +23,10 @@ from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.estimate import decisions_left, estimated_seconds
 from fatigue_planner.study.benchmark.selection import cells
-from fatigue_planner.study.claims.answers import Answer, Verdict
+from fatigue_planner.study.claims.answers import Answer
+from fatigue_planner.study.claims.evaluation import Judgements
 from fatigue_planner.study.claims.loader import load_claims
+from fatigue_planner.study.claims.relations import ClaimJudgement
 from fatigue_planner.study.sensitivity.conclusions import lessons, percent
 from fatigue_planner.study.sensitivity.design import Point, design
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings
@@ -420,7 +422,8 @@ def test_five_sentences_follow_from_the_tables(study: Study, synthetic: Any) -> 
 
 
 def test_claims_are_counted_over_points(study: Study, synthetic: Any) -> None:
-    yes, no = Verdict(Answer.FAILS, Answer.HOLDS), Verdict(Answer.FAILS, Answer.OPEN)
+    holds, fails, open_ = (ClaimJudgement(answer, "") for answer in (Answer.HOLDS, Answer.FAILS, Answer.OPEN))
+    yes, no = Judgements(fails, holds), Judgements(fails, open_)
     verdicts = {"a": {"first": yes, "second": no}, "b": {"first": yes, "second": yes}}
     tables = {name: pd.DataFrame({"name": [name]}) for name in verdicts}
     claims = claim_table(tables, lambda trials: verdicts[trials.loc[0, "name"]])
@@ -512,7 +515,7 @@ def test_claims_at_a_point_are_judged_as_in_their_experiment(paper: Experiment) 
     verdicts_of = judge(claims)
     found = verdicts_of(table)
     assert found == verdicts_of(table[table["policy"] != "oracle"]) and len(found) == len(claims.claims)
-    assert len({verdict.modern for verdict in found.values()}) > 1
+    assert len({judgements.modern.answer for judgements in found.values()}) > 1
 
 
 def test_claims_must_be_about_the_base(tmp_path: Path) -> None:

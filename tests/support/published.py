@@ -6,6 +6,7 @@ from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.reaction import Reaction, digests
+from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE, publish_comparisons
 from fatigue_planner.study.benchmark.selection import cells
 from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
 
@@ -16,15 +17,19 @@ def publish(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Pat
     grid = cells(experiment, cycle_profiles(experiment, reactions))
     done = [cell.run(cell.trial_numbers()) for cell in grid]
     folder.mkdir(parents=True, exist_ok=True)
-    publish_table(folder, trial_table(grid, done), [TRIALS_FILE, ACTIONS_FILE])
+    trials = trial_table(grid, done)
+    publish_table(folder, trials, [TRIALS_FILE, ACTIONS_FILE])
+    publish_comparisons(folder, trials, experiment.statistics, experiment.benchmark.seed)
     seal(experiment, folder)
 
 
-def seal(experiment: Experiment, folder: Path) -> None:
+def seal(experiment: Experiment, folder: Path, *further: str) -> None:
+    """Note what is there now; `further`: files besides those of every run."""
     note = {
         "experiment": experiment.plain(),
         "reactions": digests(reaction_requests(experiment)),
         "seed": experiment.benchmark.seed,
         "references": {},
     }
-    publish_manifest(folder, "benchmark", note, [folder / TRIALS_FILE, folder / ACTIONS_FILE])
+    files = (TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, *further)
+    publish_manifest(folder, "benchmark", note, [folder / file for file in files])

@@ -81,8 +81,8 @@ class RegretJob(Job[Regret]):
         return Regret(**row)
 
     def accepts(self, trial: int, result: Regret) -> bool:
-        """See Job.accepts: a policy with a time budget may act otherwise when it is run again."""
-        return result.judged == digest_of(list(self.actions[trial]))
+        """See Job.accepts: a policy with a time budget may act otherwise when run again; a grid may be smaller."""
+        return trial in self.actions and result.judged == digest_of(list(self.actions[trial]))
 
     def outcome(self, result: Regret) -> tuple[Any, ...]:
         """See Job.outcome."""

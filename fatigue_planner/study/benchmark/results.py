@@ -8,10 +8,12 @@ from typing import Any, Self
 import pandas as pd
 from pydantic import BaseModel, model_validator
 
-from fatigue_planner.core.errors import DamagedFileError, MissingTableError, StaleTableError
-from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note
+from fatigue_planner.core.errors import DamagedFileError, MissingTableError, StaleTableError, listed
+from fatigue_planner.core.files import publish_csv, remove, set_aside
+from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note, sha256, versions
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.planners.lookahead import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, CELL, read_bounds
@@ -27,12 +29,19 @@ from fatigue_planner.study.benchmark.tables import (
     TRIALS_FILE,
     actions_of,
     name_rows,
+    read_keyed,
     read_table,
 )
+from fatigue_planner.study.statistics.comparison import RANK_COLUMNS, comparison_table
+from fatigue_planner.study.statistics.contrast import COLUMNS
+from fatigue_planner.study.statistics.contrasts import contrasts
 
 EXPERIMENT_FILE = "experiment.yaml"
-# Settings that the tables do not depend on.
-NOT_IN_THE_TABLES = ("figures", "statistics")
+COMPARISON_FILE = "comparison.csv"
+CONTRASTS_FILE = "contrasts.csv"
+# What has a row of its own in comparison.csv, in contrasts.csv.
+RANK = ["condition", "n_cycles", "rank"]
+PAIR = ["family", "condition", "n_cycles", "first", "second"]
 
 
 class NotedGrid(BaseModel):
@@ -74,10 +83,15 @@ class BenchmarkNote(Note):
 
 @dataclass(frozen=True)
 class Results:
-    """The tables in a results folder; regret and bounds where they were made; note: what the manifest says of them."""
+    """The tables in a results folder; regret and bounds where they were made; note: what the manifest says of them.
+
+    comparison: `comparison_table`'s; contrasts: `contrasts`'s; bounds: `gap_table`'s.
+    """
 
     trials: pd.DataFrame
     actions: pd.DataFrame
+    comparison: pd.DataFrame
+    contrasts: pd.DataFrame
     regret: pd.DataFrame | None
     bounds: pd.DataFrame | None
     note: BenchmarkNote
@@ -92,30 +106,84 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     """The tables of an experiment's grid; `command` makes them, for the messages.
 
     Raises MissingTableError if there are none; StaleTableError if they were made with other settings, with what
-    differs; DamagedFileError, naming them, for rows that stand twice, are missing or belong to no cell of the grid,
+    differs; DamagedFileError, naming them, for rows that are there twice, are missing or belong to no cell of the grid,
     and for files that are not what was written.
     """
-    there = {file: (folder / file).exists() for file in (REGRET_FILE, BOUNDS_FILE)}
-    # the same command without these options would remove what they made
-    command += "".join(f" {option}" for file, option in zip(there, ("--regret", "--bound"), strict=True) if there[file])
+    there = {file: (folder / file).exists() for file in OPTIONAL_FILES}
+    command += "".join(f" {option}" for file, option in OPTIONAL_FILES.items() if there[file])
     trials = read_table(folder, TRIALS_FILE, command)
     note = read_note(folder, "benchmark", BenchmarkNote, command)
-    _check_origin(note, experiment, folder / TRIALS_FILE, command)
+    _check_origin(note, experiment, folder, command)
     _check_rows(trials, _expected_keys(note.grid, trials), folder / TRIALS_FILE, command)
     actions = read_table(folder, ACTIONS_FILE, command)
     _check_rows(actions, trials[KEY], folder / ACTIONS_FILE, command)
+    comparison, contrasted = _read_comparisons(folder, command)
     regret = bounds = None
     if there[REGRET_FILE]:
         regret = read_table(folder, REGRET_FILE, command)
         _check_rows(regret, trials[KEY], folder / REGRET_FILE, command)
     if there[BOUNDS_FILE]:
         bounds = read_bounds(folder, command)
-        known = [name for name, one in experiment.benchmark.conditions.items() if one.hidden_worker is None]
+        known = [name for name, condition in experiment.benchmark.conditions.items() if condition.hidden_worker is None]
         cells = trials.loc[trials["condition"].isin(known), CELL].drop_duplicates()
         _check_rows(bounds, cells, folder / BOUNDS_FILE, command, CELL)
-    for file in (TRIALS_FILE, ACTIONS_FILE, *(file for file in there if there[file])):
+    optional = [file for file in there if there[file]]
+    for file in (TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, *optional):
         check_intact(folder, note, file, command)
-    return Results(trials, actions, regret, bounds, note)
+    return Results(trials, actions, comparison, contrasted, regret, bounds, note)
+
+
+def publish_comparisons(
+    folder: Path, trials: pd.DataFrame, settings: StatisticsSettings, seed: int
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Compare the policies; write comparison.csv and contrasts.csv, which are returned."""
+    comparison = comparison_table(trials, settings.significance_level)
+    publish_csv(folder / COMPARISON_FILE, comparison)
+    contrasted = contrasts(trials, settings, seed)
+    publish_csv(folder / CONTRASTS_FILE, contrasted)
+    return comparison, contrasted
+
+
+# Tables that only runs with an option make, and the option.
+OPTIONAL_FILES = {REGRET_FILE: "--regret", BOUNDS_FILE: "--bound"}
+
+
+def keep_or_remove(
+    experiment: Experiment, folder: Path, files: Sequence[str]
+) -> tuple[dict[str, BenchmarkNote], list[str]]:
+    """Which of these optional files, of earlier runs, still belong to the experiment and to the runs in the folder.
+
+    It is asked when trials.csv and actions.csv are written anew, but not the manifest. Returns, by file, the note of
+    the run that made it, and warnings: what belongs to other runs is removed, what is damaged set aside. Raises
+    OutputFolderError if that cannot be done.
+    """
+    kept: dict[str, BenchmarkNote] = {}
+    warnings = []
+    for path in [folder / file for file in files if (folder / file).exists()]:
+        again = f"`{OPTIONAL_FILES[path.name]}` makes it again."
+        try:
+            note = read_note(folder, "benchmark", BenchmarkNote, "")
+            check_intact(folder, note, path.name, "")
+        except DamagedFileError:
+            warnings.append(f"{path}: is not what was written; it is now {set_aside(path).name}. {again}")
+            continue
+        changed = [key for key in _changed_settings(note, experiment) if key != "statistics"]
+        changed += ["versions"] if note.versions != versions() else []
+        if not changed and any(note.sha256.get(name) != sha256(folder / name) for name in (TRIALS_FILE, ACTIONS_FILE)):
+            changed.append("runs")
+        if changed:
+            remove(path)
+            warnings.append(f"{path}: was of an earlier run (different: {listed(changed)}) and is removed. {again}")
+        else:
+            kept[path.name] = note
+    return kept, warnings
+
+
+def _read_comparisons(folder: Path, command: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+    ranks = [name for name in RANK_COLUMNS if name not in RANK]
+    comparison = read_keyed(folder / COMPARISON_FILE, RANK, ranks, command, may_be_empty=["p_value", "verdict"])
+    numbers = [name for name in COLUMNS if name not in PAIR]
+    return comparison, read_keyed(folder / CONTRASTS_FILE, PAIR, numbers, command, may_be_empty=numbers)
 
 
 def load_source(folder: Path, command: str) -> tuple[Path, Selection]:
@@ -207,10 +275,15 @@ def _check_rows(
             raise DamagedFileError(f"{path}: {count} {words}: {name_rows(rows, key)}. Run `{command}`.")
 
 
-def _check_origin(note: BenchmarkNote, experiment: Experiment, path: Path, command: str) -> None:
-    made, now = note.experiment, experiment.plain()
-    changed = [key for key in now if key not in NOT_IN_THE_TABLES and made.get(key) != now[key]]
-    if note.reactions != digests(reaction_requests(experiment)):
-        changed.append("reactions")
+def _check_origin(note: BenchmarkNote, experiment: Experiment, folder: Path, command: str) -> None:
+    changed = _changed_settings(note, experiment)
     if changed:
+        path = folder / (CONTRASTS_FILE if changed == ["statistics"] else TRIALS_FILE)
         raise StaleTableError(f"{path}: was made with other settings ({', '.join(changed)}). Run `{command}`.")
+
+
+def _changed_settings(note: BenchmarkNote, experiment: Experiment) -> list[str]:
+    """What decides the tables and has changed since they were made."""
+    made, now = note.experiment, experiment.plain()
+    changed = [key for key in now if key != "figures" and made.get(key) != now[key]]
+    return changed + (["reactions"] if note.reactions != digests(reaction_requests(experiment)) else [])

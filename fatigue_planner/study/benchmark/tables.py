@@ -28,7 +28,7 @@ REGRET_FILE = "regret.csv"
 # What every file holds besides the key.
 COLUMNS = {TRIALS_FILE: [SAME, *OUTCOMES], ACTIONS_FILE: [ACTIONS], TIMES_FILE: TIMES, REGRET_FILE: REGRETS}
 KINDS = {**dict.fromkeys([*OUTCOMES, *TIMES, *REGRETS], float), "n_cycles": int, "trial": int, SAME: bool}
-KINDS |= dict.fromkeys(["condition", "policy", ACTIONS], str)
+KINDS |= dict.fromkeys(["condition", "policy", ACTIONS, "family", "first", "second", "note", "verdict"], str)
 
 
 def trial_table(cells: Sequence[Cell], results: Sequence[dict[int, TrialResult]]) -> pd.DataFrame:
@@ -76,7 +76,7 @@ def read_table(folder: Path, file: str, command: str) -> pd.DataFrame:
 def read_keyed(
     path: Path, key: Sequence[str], columns: Sequence[str], command: str, may_be_empty: Sequence[str] = ()
 ) -> pd.DataFrame:
-    """A table of key and columns in which each key stands once; raises as `read_table`."""
+    """A table of key and columns in which each key is there once; an empty text is "". Raises as `read_table`."""
     if not path.exists():
         raise MissingTableError(f"{path}: there is no such table. Run `{command}` first.")
     try:
@@ -85,6 +85,8 @@ def read_keyed(
         raise DamagedFileError(f"{path}: is not one of our tables ({error}). Run `{command}`.") from error
     if list(table.columns) != [*key, *columns] or table.drop(columns=list(may_be_empty)).isna().any(axis=None):
         raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
+    texts = [name for name in may_be_empty if KINDS.get(name) is str]
+    table[texts] = table[texts].fillna("")
     twice = table.duplicated(list(key))
     if twice.any():
         raise DamagedFileError(

@@ -1,29 +1,38 @@
 """What the runs of a benchmark make of claims: pure functions of tables."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import pandas as pd
 
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
-from fatigue_planner.study.claims.analyses.modern import ModernAnalysis
-from fatigue_planner.study.claims.analyses.paper import PaperAnalysis
-from fatigue_planner.study.claims.answers import Verdict
-from fatigue_planner.study.claims.headroom import Rooms
+from fatigue_planner.study.claims.analysis import Analysis
+from fatigue_planner.study.claims.answers import Answer
+from fatigue_planner.study.claims.headroom import Headrooms
 from fatigue_planner.study.claims.measurements import Measurements
-from fatigue_planner.study.claims.relations.registry import RELATIONS
-from fatigue_planner.study.claims.relations.relation import Finding
+from fatigue_planner.study.claims.relations import RELATIONS, ClaimJudgement, PairJudgement
 from fatigue_planner.study.claims.schema import Claim
-from fatigue_planner.study.claims.tables import claims_table, detail_table
-from fatigue_planner.study.statistics.contrasts import contrasts
 
-# No verdict rests on a resampled number, so that the fewest are enough.
-FEWEST_RESAMPLES = 99
+CLAIMS_FILE = "claims.csv"
+DETAIL_FILE = "claims_detail.csv"
+MAX_SHOWN = 3  # comparisons whose numbers stand beside a claim
+
+CONTRAST_COLUMNS = [
+    "difference", "relative_difference", "t_low", "t_high", "student_p", "paired_p", "holm_p", "equivalence_p"
+]  # fmt: skip
+
+
+class Judgements(NamedTuple):
+    """Of a claim: by the paper's own analysis and by the modern one."""
+
+    paper: ClaimJudgement
+    modern: ClaimJudgement
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One row per claim, and one per comparison a claim consists of (`tables`)."""
+    """One row per claim (`_claims_table`), and one per comparison a claim consists of (`_detail_table`)."""
 
     claims: pd.DataFrame
     detail: pd.DataFrame
@@ -32,34 +41,120 @@ class Evaluation:
 def evaluate(
     claims: Mapping[str, Claim],
     trials: pd.DataFrame,
+    contrasts: pd.DataFrame,
     settings: StatisticsSettings,
-    seed: int,
     bounds: pd.DataFrame | None = None,
 ) -> Evaluation:
     """All there is to say of the claims.
 
-    trials: the table of a benchmark; bounds: the costs no policy can beat (columns condition, n_cycles, cost_bound).
+    trials: the table of a benchmark; contrasts: of these trials; bounds: the costs no policy can beat (columns
+    condition, n_cycles, cost_bound).
     """
-    few = settings.model_copy(update={"resamples": FEWEST_RESAMPLES})
-    measurements = Measurements(trials, contrasts(trials, few, seed))
-    findings = _findings(claims, measurements, settings)
-    rooms = None if bounds is None else Rooms(bounds, measurements, settings)
-    return Evaluation(claims_table(claims, findings, measurements, rooms), detail_table(findings, measurements, rooms))
+    measurements = Measurements(trials, contrasts)
+    judgements = _judge(claims, measurements, settings)
+    headrooms = None if bounds is None else Headrooms(bounds, measurements, settings)
+    return Evaluation(
+        _claims_table(claims, judgements, measurements, headrooms), _detail_table(judgements, measurements, headrooms)
+    )
 
 
-def verdicts(
-    claims: Mapping[str, Claim], trials: pd.DataFrame, contrasts_table: pd.DataFrame, settings: StatisticsSettings
-) -> dict[str, Verdict]:
-    """The verdicts alone, by claim, from contrasts made already (of the same trials and settings): milliseconds."""
-    findings = _findings(claims, Measurements(trials, contrasts_table), settings)
-    return {name: Verdict(paper.answer, modern.answer) for name, (paper, modern) in findings.items()}
+def judge_claims(
+    claims: Mapping[str, Claim], trials: pd.DataFrame, contrasts: pd.DataFrame, settings: StatisticsSettings
+) -> dict[str, Judgements]:
+    """The judgements alone, by claim: milliseconds."""
+    return _judge(claims, Measurements(trials, contrasts), settings)
 
 
-def _findings(
+def _judge(
     claims: Mapping[str, Claim], measurements: Measurements, settings: StatisticsSettings
-) -> dict[str, tuple[Finding, Finding]]:
-    paper, modern = PaperAnalysis(measurements, settings), ModernAnalysis(measurements, settings)
+) -> dict[str, Judgements]:
+    paper, modern = (
+        Analysis(measurements, settings.significance_level, settings.equivalence_margin, modern)
+        for modern in (False, True)
+    )
     return {
-        name: (RELATIONS[claim.relation].judge(claim, paper), RELATIONS[claim.relation].judge(claim, modern))
+        name: Judgements(*(RELATIONS[claim.relation].judge(claim, analysis) for analysis in (paper, modern)))
         for name, claim in claims.items()
     }
+
+
+def _claims_table(
+    claims: Mapping[str, Claim],
+    judgements: Mapping[str, Judgements],
+    measurements: Measurements,
+    headrooms: Headrooms | None,
+) -> pd.DataFrame:
+    """One row per claim; lists are joined by blanks. room_to_win is empty where the claim is reproduced."""
+    rows = []
+    for name, claim in claims.items():
+        paper, modern = judgements[name]
+        unshown = RELATIONS[claim.relation].superiority and modern.answer is not Answer.HOLDS
+        rows.append(
+            {
+                "claim": name,
+                "place": claim.place,
+                "quote": claim.quote,
+                "interpretation": claim.interpretation,
+                "conditions": " ".join(claim.conditions),
+                "n_cycles": " ".join(map(str, claim.n_cycles)),
+                "relation": claim.relation,
+                "policies": " ".join(claim.policies),
+                "others": " ".join(claim.others),
+                "paper_verdict": paper.answer.verdict,
+                "paper_reason": paper.reason,
+                "verdict": modern.answer.verdict,
+                "reason": modern.reason,
+                "numbers": _numbers(claim, modern.decisive, measurements),
+                "room_to_win": _headroom_text(modern.decisive, headrooms) if unshown else "",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _detail_table(
+    judgements: Mapping[str, Judgements], measurements: Measurements, headrooms: Headrooms | None
+) -> pd.DataFrame:
+    """One row per comparison of a claim.
+
+    Columns besides the answers: those of the contrast; largest_win and needed_win: as fractions of the second policy's
+    mean cost (`headroom.Headroom`), where there is a bound.
+    """
+    rows = []
+    for name, (paper, modern) in judgements.items():
+        for old, new in zip(paper.parts, modern.parts, strict=True):
+            measured = measurements.measured(new.pair)
+            headroom = None if headrooms is None else headrooms.over_second(new.pair)
+            contrast = {} if isinstance(measured, str) else vars(measured.contrast)
+            rows.append(
+                {"claim": name, **vars(new.pair)}
+                | {"paper_answer": old.answer.value, "paper_reason": old.reason}
+                | {"answer": new.answer.value, "reason": new.reason}
+                | {column: contrast.get(column) for column in CONTRAST_COLUMNS}
+                | {"largest_win": headroom and headroom.largest, "needed_win": headroom and headroom.needed}
+            )
+    return pd.DataFrame(rows)
+
+
+def _numbers(claim: Claim, decisive: Sequence[PairJudgement], measurements: Measurements) -> str:
+    several = len(claim.cells()) > 1
+    shown = []
+    for part in decisive[:MAX_SHOWN]:
+        measured = measurements.measured(part.pair)
+        if not isinstance(measured, str):
+            cell = f"{part.pair.condition}, {part.pair.n_cycles} cycles: " if several else ""
+            shown.append(cell + measured.numbers())
+    more = len(decisive) - MAX_SHOWN
+    return "; ".join(shown) + (f"; and {more} more" if shown and more > 0 else "")
+
+
+def _headroom_text(decisive: Sequence[PairJudgement], headrooms: Headrooms | None) -> str:
+    """Over the policies of the strongest comparisons, each once in every condition and length."""
+    if headrooms is None:
+        return "not known: no bounds.csv"
+    found: dict[tuple[str, int, str], str] = {}
+    for part in decisive:
+        pair, headroom = part.pair, headrooms.over_second(part.pair)
+        if headroom is not None:
+            cell = f"{pair.condition}, {pair.n_cycles} cycles"
+            found.setdefault((*pair.cell, pair.second), f"{cell}: {headroom.in_words(pair.second)}")
+    return ". ".join(list(found.values())[:MAX_SHOWN]) or "not known: no bound for these conditions"

@@ -11,7 +11,7 @@ from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Benchmark, Experiment
-from fatigue_planner.study.claims.relations.registry import RELATIONS
+from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Claim, ClaimsFile
 
 

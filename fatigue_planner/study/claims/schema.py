@@ -13,7 +13,7 @@ class Claim(Settings):
     """One statement of a paper and how it is read.
 
     place and quote: where it stands and its words; interpretation: the reading that was needed, if any
-    relation: what is said of `policies` and, where it takes two groups, `others` (relations/registry.py)
+    relation: what is said of `policies` and, where it takes two groups, `others` (`relations.RELATIONS`)
     conditions, n_cycles: it is said of every one of these conditions with every one of these lengths
     """
 
@@ -26,7 +26,7 @@ class Claim(Settings):
     policies: tuple[Name, ...] = Field(min_length=1)
     others: tuple[Name, ...] = ()
 
-    def places(self) -> list[tuple[str, int]]:
+    def cells(self) -> list[tuple[str, int]]:
         """The conditions and lengths it is about."""
         return [(condition, n_cycles) for condition in self.conditions for n_cycles in self.n_cycles]
 

@@ -4,13 +4,16 @@ from collections.abc import Callable, Mapping
 
 import pandas as pd
 
-from fatigue_planner.study.claims.answers import Answer, Verdict
-from fatigue_planner.study.claims.evaluation import FEWEST_RESAMPLES, verdicts
+from fatigue_planner.study.claims.answers import Answer
+from fatigue_planner.study.claims.evaluation import Judgements, judge_claims
 from fatigue_planner.study.claims.loader import Claims
 from fatigue_planner.study.statistics.contrasts import contrasts
 
+# No verdict rests on a resampled number, so that the fewest are enough.
+FEWEST_RESAMPLES = 99
+
 # The verdicts on the claims, by claim, from the trials of one point.
-VerdictsOf = Callable[[pd.DataFrame], Mapping[str, Verdict]]
+VerdictsOf = Callable[[pd.DataFrame], Mapping[str, Judgements]]
 
 REPRODUCED = Answer.HOLDS.verdict
 ANALYSES = ("modern", "paper")
@@ -21,9 +24,9 @@ def judge(claims: Claims) -> VerdictsOf:
     experiment = claims.experiment
     few = experiment.statistics.model_copy(update={"resamples": FEWEST_RESAMPLES})
 
-    def verdicts_of(trials: pd.DataFrame) -> Mapping[str, Verdict]:
+    def verdicts_of(trials: pd.DataFrame) -> Mapping[str, Judgements]:
         own = trials[trials["policy"].isin(experiment.benchmark.policies)]
-        return verdicts(claims.claims, own, contrasts(own, few, experiment.benchmark.seed), few)
+        return judge_claims(claims.claims, own, contrasts(own, few, experiment.benchmark.seed), few)
 
     return verdicts_of
 
@@ -34,9 +37,9 @@ def claim_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> 
     One row per claim, analysis (modern, or the paper's own) and verdict: points, and share of all points.
     """
     rows = [
-        (claim, analysis, getattr(verdict, analysis).verdict)
+        (claim, analysis, getattr(judgements, analysis).answer.verdict)
         for table in trials.values()
-        for claim, verdict in verdicts_of(table).items()
+        for claim, judgements in verdicts_of(table).items()
         for analysis in ANALYSES
     ]
     found = pd.DataFrame(rows, columns=["claim", "analysis", "verdict"])

@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,9 @@ def _compare(values: Vector, following: Vector | None, significance_level: float
     if p_value >= significance_level:
         return p_value, "ns"
     return p_value, next((mark for limit, mark in STARS if p_value < limit), "*")
+
+
+RANK_COLUMNS = ["condition", "n_cycles", "rank", *(field.name for field in fields(Ranked))]
 
 
 def comparison_table(trials: pd.DataFrame, significance_level: float) -> pd.DataFrame:

@@ -2,7 +2,6 @@
 
 from dataclasses import asdict, replace
 
-import numpy as np
 import pandas as pd
 
 from fatigue_planner.core.random_streams import random_stream
@@ -18,16 +17,18 @@ from fatigue_planner.study.statistics.hypothesis_tests import (
     welch_p,
 )
 from fatigue_planner.study.statistics.intervals import bca_interval, standard_error, t_interval, wilson_interval
-from fatigue_planner.study.statistics.multiple_testing import Comparison, comparisons, holm
-from fatigue_planner.study.statistics.pairing import Pairs, pair, runs_by_policy
+from fatigue_planner.study.statistics.multiple_testing import Pair, holm, pairs_by_family
+from fatigue_planner.study.statistics.pairing import PairedReturns, pair_runs, runs_by_policy
 
 
-def measure(comparison: Comparison, pairs: Pairs, settings: StatisticsSettings, seed: int) -> Contrast:
-    """The contrast of the pairs, without the correction for its family.
+def compute_contrast(
+    family: str, pair: Pair, pairs: PairedReturns, settings: StatisticsSettings, seed: int
+) -> Contrast:
+    """The contrast of a pair of policies from their paired returns, without the correction for its family.
 
     Resampling draws from streams of the cell and the two policies, whatever else is compared.
     """
-    empty = Contrast(**vars(comparison))
+    empty = Contrast(family, **vars(pair))
     if pairs.fault:
         return replace(empty, note=f"n/a ({pairs.fault})")
     contrast = replace(
@@ -43,18 +44,22 @@ def measure(comparison: Comparison, pairs: Pairs, settings: StatisticsSettings, 
         equivalence_margin=settings.equivalence_margin * contrast.mean_cost,
     )
     if not any(pairs.drawn):
-        return _exact(contrast)
+        improved = improvement(pairs.differences)
+        contrast = replace(contrast, improvement=improved, improvement_low=improved, improvement_high=improved)
+        return _exact(contrast, "deterministic: nothing is left to chance")
     if len(pairs.first) < 2:
         return replace(contrast, note="n/a (one run only)")
     contrast = _with_shares(_with_unpaired(contrast, pairs), pairs, settings.significance_level)
+    if not pairs.differences.any():
+        return _exact(contrast, "the same in every run")
     if pairs.constant():
         return replace(contrast, note="n/a (constant differences)")
     return _with_paired(contrast, pairs, settings, seed)
 
 
-def _exact(contrast: Contrast) -> Contrast:
+def _exact(contrast: Contrast, reason: str) -> Contrast:
+    """Chance has no part in the difference: its intervals have no width, and there is nothing to test."""
     difference = contrast.difference
-    share = improvement(np.array([difference]))
     return replace(
         contrast,
         standard_error=0.0,
@@ -62,28 +67,25 @@ def _exact(contrast: Contrast) -> Contrast:
         t_high=difference,
         bca_low=difference,
         bca_high=difference,
-        improvement=share,
-        improvement_low=share,
-        improvement_high=share,
         equivalent_within=abs(contrast.relative_difference),
-        note="n/a (deterministic: nothing is left to chance)",
+        note=f"n/a ({reason})",
     )
 
 
-def _with_unpaired(contrast: Contrast, pairs: Pairs) -> Contrast:
+def _with_unpaired(contrast: Contrast, pairs: PairedReturns) -> Contrast:
     if not pairs.comparable_unpaired():
         return contrast
     both = pairs.first, pairs.second
     return replace(contrast, student_p=student_p(*both), welch_p=welch_p(*both), hedges_g=hedges_g(*both))
 
 
-def _with_shares(contrast: Contrast, pairs: Pairs, level: float) -> Contrast:
+def _with_shares(contrast: Contrast, pairs: PairedReturns, level: float) -> Contrast:
     share = improvement(pairs.differences)
     low, high = wilson_interval(share, contrast.trials, level)
     return replace(contrast, improvement=share, improvement_low=low, improvement_high=high)
 
 
-def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings, seed: int) -> Contrast:
+def _with_paired(contrast: Contrast, pairs: PairedReturns, settings: StatisticsSettings, seed: int) -> Contrast:
     differences, level, resamples = pairs.differences, settings.significance_level, settings.resamples
     # the draws, too, are the same whichever policy comes first
     key: tuple[str | int, ...] = (contrast.condition, contrast.n_cycles, *sorted((contrast.first, contrast.second)))
@@ -105,9 +107,6 @@ def _with_paired(contrast: Contrast, pairs: Pairs, settings: StatisticsSettings,
     )
 
 
-CONTRASTS_FILE = "contrasts.csv"
-
-
 def contrasts(trials: pd.DataFrame, settings: StatisticsSettings, seed: int) -> pd.DataFrame:
     """One row per comparison of every family, the columns those of `Contrast`.
 
@@ -115,17 +114,14 @@ def contrasts(trials: pd.DataFrame, settings: StatisticsSettings, seed: int) -> 
     the number of their trial. holm_p corrects paired_p within the family; rows without one do not count.
     A row's other numbers depend on the runs of its two policies, the settings and the seed only.
     """
-    from fatigue_planner.study.statistics.contrasts import measure  # noqa: PLC0415 - loads scipy.stats
-
     runs = runs_by_policy(trials)
     rows = []
-    for comparison in comparisons(trials, settings.families):
-        cell = comparison.condition, comparison.n_cycles
-        pairs = pair(runs[*cell, comparison.first], runs[*cell, comparison.second])
-        rows.append(asdict(measure(comparison, pairs, settings, seed)))
+    for family, pair in pairs_by_family(trials, settings.families):
+        pairs = pair_runs(runs[*pair.cell, pair.first], runs[*pair.cell, pair.second])
+        rows.append(asdict(compute_contrast(family, pair, pairs, settings, seed)))
     table = pd.DataFrame(rows, columns=COLUMNS)
-    for _, family in table.groupby("family", sort=False):
-        table.loc[family.index, "holm_p"] = holm(family["paired_p"].to_numpy(dtype=float))
+    for _, rows_of in table.groupby("family", sort=False):
+        table.loc[rows_of.index, "holm_p"] = holm(rows_of["paired_p"].to_numpy(dtype=float))
     return table
 
 

@@ -57,7 +57,7 @@ class Runs:
 
 
 @dataclass(frozen=True)
-class Pairs:
+class PairedReturns:
     """The returns (n,) of two policies, row by row in the same world.
 
     drawn: whether chance had a part in the runs of the first, of the second.
@@ -100,15 +100,15 @@ def runs_by_policy(trials: pd.DataFrame) -> dict[tuple[str, int, str], Runs]:
     return runs
 
 
-def pair(first: Runs, second: Runs) -> Pairs:
+def pair_runs(first: Runs, second: Runs) -> PairedReturns:
     """Match runs by the number of their trial: all policies of a trial meet the same world (`streams`)."""
     both = (first, second)
     drawn = (not first.deterministic, not second.deterministic)
     trials = sorted({trial for runs in both if not runs.deterministic for trial in runs.returns}) or [0]
     gaps = [(runs.policy, missing) for runs in both if (missing := runs.missing(trials))]
     if gaps:
-        return Pairs(np.empty(0), np.empty(0), drawn, _fault(gaps))
-    return Pairs(first.in_worlds(trials), second.in_worlds(trials), drawn)
+        return PairedReturns(np.empty(0), np.empty(0), drawn, _fault(gaps))
+    return PairedReturns(first.in_worlds(trials), second.in_worlds(trials), drawn)
 
 
 def _fault(gaps: Sequence[tuple[str, Sequence[int]]]) -> str:

@@ -1,5 +1,6 @@
 """Two results folders side by side."""
 
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -23,10 +24,11 @@ from fatigue_planner.study.statistics.pairing import records
 # Of what the manifest says, these are not settings of the experiment.
 IRRELEVANT = ("figures",)
 MAX_NAMED = 5  # cells that are in one folder only
+NOTHING = "No returns can be compared: no cell (condition, number of cycles and policy) is in both."
 
 
 @dataclass(frozen=True)
-class Comparison:
+class FolderComparison:
     """What tells two folders apart: settings and versions by dotted name, and the contrasts of their returns."""
 
     names: tuple[str, str]
@@ -44,12 +46,12 @@ class Comparison:
         return f"paired by trial, {worlds}"
 
 
-def compare(first: Path, second: Path) -> Comparison:
+def compare(first: Path, second: Path) -> FolderComparison:
     """Compare the tables of two folders. Raises as `load_folder`."""
     (note, trials), (other_note, other_trials) = load_folder(first), load_folder(second)
     settings = _statistics(note, first)
     cells, other_cells = (_cells(table) for table in (trials, other_trials))
-    return Comparison(
+    return FolderComparison(
         names=(str(first), str(second)),
         settings=_differences(_flat(_relevant(note)), _flat(_relevant(other_note))),
         versions=_differences(note.versions, other_note.versions),
@@ -79,12 +81,16 @@ def _relevant(note: BenchmarkNote) -> dict[str, Any]:
 
 
 def _flat(value: Any, key: str = "") -> dict[str, str]:
-    """The leaves of nested settings as text, by dotted key."""
+    """The leaves of nested settings as text, by dotted key; what is listed and has parts of its own has its index."""
     if isinstance(value, dict) and value:
-        return {
-            k: v for name, below in value.items() for k, v in _flat(below, f"{key}.{name}" if key else name).items()
-        }
-    return {key: str(value)}
+        parts = {f"{key}.{name}" if key else name: part for name, part in value.items()}
+    elif isinstance(value, list) and any(isinstance(item, dict | list) for item in value):
+        parts = {f"{key}[{index}]": item for index, item in enumerate(value)}
+    elif isinstance(value, str):
+        return {key: value}
+    else:
+        return {key: json.dumps(value, ensure_ascii=False) if value not in (None, {}, []) else "none"}
+    return {name: text for path, part in parts.items() for name, text in _flat(part, path).items()}
 
 
 def _differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[str, tuple[str, str]]:
@@ -93,17 +99,20 @@ def _differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[st
     return {name: values for name, values in both.items() if values[0] != values[1]}
 
 
-def compare_text(found: Comparison) -> str:
+def compare_text(found: FolderComparison) -> str:
     """The comparison as lines of text."""
     lines = [f"A: {found.names[0]}", f"B: {found.names[1]}", ""]
     for title, differences in (("settings", found.settings), ("versions", found.versions)):
         lines.append(f"The {title} are the same." if not differences else f"Different {title} (A, B):")
-        lines += [f"  {name}: {one}, {other}" for name, (one, other) in differences.items()]
+        lines += [f"  {name}: {in_a}, {in_b}" for name, (in_a, in_b) in differences.items()]
     for name, cells in zip("AB", found.only, strict=True):
         if cells:
             lines.append(f"Only in {name}: {_few(cells)}.")
-    lines += ["", f"Discounted return, and what B costs more than A, of A's cost ({found.pairing}):"]
-    lines += ["  " + "  ".join(cells) for cells in _aligned(_rows(found))]
+    if found.contrasts.empty:
+        lines += ["", NOTHING]
+    else:
+        lines += ["", f"Discounted return, and what B costs more than A, of A's cost ({found.pairing}):"]
+        lines += ["  " + "  ".join(cells) for cells in _aligned(_rows(found))]
     return "\n".join(lines) + "\n"
 
 
@@ -122,7 +131,7 @@ def _aligned(rows: list[list[str]]) -> Iterator[list[str]]:
 HEADER = ["condition", "cycles", "policy", "runs", "A", "B", "B above A", "interval", "p (Holm)"]
 
 
-def _rows(found: Comparison) -> list[list[str]]:
+def _rows(found: FolderComparison) -> list[list[str]]:
     rows = []
     for row in records(found.contrasts):
         contrast = Contrast(**{key: value for key, value in row.items() if key != "policy"})
@@ -142,18 +151,22 @@ def _rows(found: Comparison) -> list[list[str]]:
     return rows
 
 
-def compare_page(found: Comparison, figures: FigureFolder, name: str) -> str:
-    """The comparison as a page (HTML); its table goes to the figures' folder under this name."""
-    file = figures.add_table(name, found.contrasts)
+def compare_page(found: FolderComparison, figures: FigureFolder, name: str) -> str:
+    """The comparison as a page (HTML); its table, if it has rows, goes to the figures' folder under this name."""
     a, b = found.names
-    blocks: list[Block] = [
-        Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; intervals are at {percent(1 - found.level, 0)}.")
-    ]
-    sections = [
-        Section("Returns", [*blocks, Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file)])
-    ]
+    blocks: list[Block]
+    if found.contrasts.empty:
+        blocks = [Text(f"A is `{a}`, B is `{b}`. {NOTHING}")]
+    else:
+        file = figures.add_table(name, found.contrasts)
+        intervals = f"intervals are at {percent(1 - found.level, 0)}"
+        blocks = [
+            Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; {intervals}."),
+            Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file),
+        ]
+    sections = [Section("Returns", blocks)]
     for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
-        rows = [[name, one, other] for name, (one, other) in differences.items()]
+        rows = [[name, *values] for name, values in differences.items()]
         block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")
         sections.append(Section(title, [block]))
     alone = [Text(f"Only in {name}: {_few(cells)}.") for name, cells in zip("AB", found.only, strict=True) if cells]

@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import build_human
 from fatigue_planner.human.skeleton import JOINTS
@@ -17,7 +17,7 @@ from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure
 from fatigue_planner.output.reports.html.blocks import Picture, listing, percent, significant
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.statistics.comparison import STARS
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
@@ -57,9 +57,10 @@ def draw_reactions(
     experiment: Experiment,
     reactions: Sequence[Reaction],
     parameters: Mapping[str, FatigueParameters],
+    profiles: Mapping[ReactionName, CycleProfile],
 ) -> list[Picture]:
     """Postures, loads and, for grids of poses, maps."""
-    places = place_table(experiment.actions, cycle_profiles(experiment, reactions))
+    places = place_table(experiment.actions, profiles)
     pictures = []
     for worker, person in experiment.workers.items():
         several = len(experiment.workers) > 1

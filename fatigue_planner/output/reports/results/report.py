@@ -41,8 +41,7 @@ def report(
         about = loaded.about(report_data.experiment.benchmark)
         if about:
             results, statistics = report_data.results, report_data.experiment.statistics
-            seed = report_data.experiment.benchmark.seed
-            judged = evaluate(about, results.trials, statistics, seed, results.bounds)
+            judged = evaluate(about, results.trials, results.contrasts, statistics, results.bounds)
             claims = claims_section(judged, claims_file, figures)
             found.append(claims_sentence(judged))
         if left_out := len(loaded.claims) - len(about):

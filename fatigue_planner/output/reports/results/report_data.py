@@ -8,23 +8,21 @@ import pandas as pd
 
 from fatigue_planner.experiment.build import worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
-from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.benchmark.replay import Course
 from fatigue_planner.study.benchmark.results import Results
-from fatigue_planner.study.statistics.comparison import comparison_table
-from fatigue_planner.study.statistics.contrasts import contrasts
-from fatigue_planner.study.statistics.regret import gap_table, regret_table
+from fatigue_planner.study.statistics.regret import regret_table
 
 
 @dataclass(frozen=True)
 class ReportData:
-    """An experiment, its reactions, its tables and the courses of its runs; all else follows from these."""
+    """An experiment, its reactions with what a cycle of each does, its tables and the courses of its runs."""
 
     experiment: Experiment
     reactions: Sequence[Reaction]
-    grid: Sequence[Cell]
+    profiles: Mapping[ReactionName, CycleProfile]
     results: Results
     courses: Mapping[tuple[str, int, str], Sequence[Course]]
 
@@ -50,26 +48,8 @@ class ReportData:
         return worker_fatigue(self.experiment)
 
     @cached_property
-    def comparison(self) -> pd.DataFrame:
-        """Ranks and the paper's tests."""
-        return comparison_table(self.results.trials, self.experiment.statistics.significance_level)
-
-    @cached_property
-    def contrasts(self) -> pd.DataFrame:
-        """The modern statistics."""
-        return contrasts(self.results.trials, self.experiment.statistics, self.experiment.benchmark.seed)
-
-    @cached_property
     def regret(self) -> pd.DataFrame | None:
         """Regret by cell, where it was measured."""
         if self.results.regret is None:
             return None
         return regret_table(self.results.trials.merge(self.results.regret))
-
-    @cached_property
-    def gaps(self) -> pd.DataFrame | None:
-        """How far every policy is from the cost none can beat, where that was computed."""
-        if self.results.bounds is None:
-            return None
-        known = self.results.bounds.drop_duplicates(["condition", "n_cycles"])
-        return gap_table(self.comparison, known[["condition", "n_cycles", "cost_bound", "exact"]])

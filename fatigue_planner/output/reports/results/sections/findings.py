@@ -21,15 +21,15 @@ def findings(report_data: ReportData) -> list[str]:
         _leaders(report_data),
         *_against_the_anchor(report_data),
     ]
-    if report_data.gaps is not None and len(report_data.gaps):
-        items.append(_most_to_win(report_data, report_data.gaps))
+    if report_data.results.bounds is not None and len(report_data.results.bounds):
+        items.append(_most_to_win(report_data, report_data.results.bounds))
     return items
 
 
 def _leaders(report_data: ReportData) -> str:
     """Policies with the same mean all lead."""
     best: Counter[str] = Counter()
-    cells = [cell for _, _, cell in cells_of(report_data.comparison)]
+    cells = [cell for _, _, cell in cells_of(report_data.results.comparison)]
     for cell in cells:
         best.update(cell.loc[cell["mean"] == cell["mean"].max(), "policy"])
     return (
@@ -42,12 +42,12 @@ def _leaders(report_data: ReportData) -> str:
 def _against_the_anchor(report_data: ReportData) -> list[str]:
     """For every condition the policy with the best mean in the longest runs, beside the anchor."""
     level, sentences = report_data.experiment.statistics.significance_level, []
-    for condition, n_cycles, cell in cells_of(report_data.comparison):
+    for condition, n_cycles, cell in cells_of(report_data.results.comparison):
         others = [row["policy"] for row in records(cell) if row["policy"] != report_data.anchor]
         pair = (condition, n_cycles, others[0], report_data.anchor) if others else None
-        if n_cycles != report_data.longest or pair is None or not is_compared(report_data.contrasts, *pair):
+        if n_cycles != report_data.longest or pair is None or not is_compared(report_data.results.contrasts, *pair):
             continue
-        found = contrast_of(report_data.contrasts, *pair)
+        found = contrast_of(report_data.results.contrasts, *pair)
         sentences.append(
             f"{words(condition)}, {n_cycles} cycles: the best besides `{report_data.anchor}` is `{others[0]}`; "
             f"its cost is {_difference(found, level)}."

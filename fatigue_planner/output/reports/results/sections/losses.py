@@ -18,11 +18,11 @@ HOW = "Not measured: `fatplan benchmark --regret --bound` adds it."
 def losses_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Regret and bounds, or the command that makes them."""
     blocks: list[Block] = []
-    if report_data.regret is None and report_data.gaps is None:
+    if report_data.regret is None and report_data.results.bounds is None:
         blocks.append(Text(HOW))
     if report_data.regret is not None:
         blocks += _regret(report_data, figures)
-    if report_data.gaps is not None and len(report_data.gaps):
+    if report_data.results.bounds is not None and len(report_data.results.bounds):
         blocks += _bounds(report_data)
     return Section("Distance to the optimum", blocks)
 
@@ -51,7 +51,7 @@ def _regret(report_data: ReportData, figures: FigureFolder) -> list[Block]:
 
 
 def _bounds(report_data: ReportData) -> list[Block]:
-    gaps = report_data.gaps
+    gaps = report_data.results.bounds
     assert gaps is not None
     rows = []
     for condition, n_cycles, cell in cells_of(gaps):

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.torques import entry_label, torque_table
@@ -22,7 +21,11 @@ LARGEST = 5  # entries of each reaction in the tables
 
 def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Pictures of the reactions; for a few of them also their torques and cycle maps as tables."""
-    blocks: list[Block] = [*draw_reactions(figures, report_data.experiment, report_data.reactions, report_data.fatigue)]
+    blocks: list[Block] = [
+        *draw_reactions(
+            figures, report_data.experiment, report_data.reactions, report_data.fatigue, report_data.profiles
+        )
+    ]
     maps = cycle_map_table(report_data)
     file = figures.add_table("cycle_maps", maps)
     if len(report_data.reactions) <= FEW:
@@ -35,7 +38,7 @@ def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section
 def cycle_map_table(report_data: ReportData) -> pd.DataFrame:
     """The affine map of one cycle, f' = gain f + offset, for every entry that a reaction tires."""
     rows = []
-    for name, profile in cycle_profiles(report_data.experiment, report_data.reactions).items():
+    for name, profile in report_data.profiles.items():
         one = profile.cycle_map()
         for place in np.flatnonzero(one.offset > 0):
             gain, offset = float(one.gain[place]), float(one.offset[place])

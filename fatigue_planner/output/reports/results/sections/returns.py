@@ -8,15 +8,16 @@ from fatigue_planner.output.reports.html.blocks import Block, Section, Text, cou
 from fatigue_planner.output.reports.results.drawings import draw_returns
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.study.benchmark.results import CONTRASTS_FILE
 from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
 def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Figure 5 as the paper draws it, and differences to one policy with paired intervals."""
-    blocks: list[Block] = [*draw_returns(figures, report_data.experiment, report_data.comparison)]
+    blocks: list[Block] = [*draw_returns(figures, report_data.experiment, report_data.results.comparison)]
     settings = report_data.experiment.statistics
-    table = estimate_table(report_data.contrasts, report_data.results.trials, report_data.anchor)
+    table = estimate_table(report_data.results.contrasts, report_data.results.trials, report_data.anchor)
     if len(table):
         level = percent(1 - settings.significance_level, 0)
         caption = (
@@ -26,7 +27,7 @@ def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
         )
         figure = estimate_figure(table, settings.equivalence_margin, report_data.policies)
         blocks.append(figures.add("estimates", figure, table, caption, _extremes(table)))
-    blocks.append(Text(_counts(report_data, figures.add_table("contrasts", report_data.contrasts))))
+    blocks.append(Text(_counts(report_data, CONTRASTS_FILE)))
     return Section("Returns", blocks)
 
 
@@ -47,7 +48,7 @@ def _extremes(table: pd.DataFrame) -> str:
 def _counts(report_data: ReportData, file: str) -> str:
     """How the modern analysis and the paper's test count the comparisons."""
     level = report_data.experiment.statistics.significance_level
-    rows = contrasts_in(report_data.contrasts)
+    rows = contrasts_in(report_data.results.contrasts)
     tested = [row for row in rows if row.paired_p >= 0]
     if not tested:
         return "No two policies could be tested against each other."
