@@ -73,8 +73,8 @@ def benchmark(
     """Run every policy of an EXPERIMENT in every condition and compare their returns.
 
     Needs the reactions of `fatplan simulate`. Options restrict or change the experiment's grid; a
-    changed grid gets a results folder of its own, named after the changes. An interrupted run goes on
-    where it stopped when it is started again, and ends in the same table.
+    changed grid gets a results folder of its own, named after the changes. The same command continues
+    an interrupted run where it stopped, and ends with the same tables.
     """
     from fatigue_planner.core.files import publish_bytes, writable_folder
     from fatigue_planner.experiment.build import load_cycle_profiles

@@ -1,4 +1,4 @@
-"""`fatplan cache`: the folder of reactions."""
+"""`fatplan cache`: what to do with the folder of reactions."""
 
 import json
 from collections import Counter
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from fatigue_planner.reactions.cache_miss import Difference, Miss
     from fatigue_planner.reactions.housekeeping import Contents
 
-app = typer.Typer(name="cache", help="Look after the cache of reactions.", no_args_is_help=True)
+app = typer.Typer(name="cache", help="List, check, explain, clean and move stored reactions.", no_args_is_help=True)
 
 MAX_VALUE_LENGTH = 40
 BundleFile = Annotated[Path, typer.Argument(metavar="BUNDLE", help="The file with the reactions (ZIP).")]
@@ -73,12 +73,12 @@ def list_(cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
 
 @app.command(epilog=EXIT_CODES)
 def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: Json = False) -> None:
-    """Check every stored reaction again: its hash, and every invariant of its motion.
+    """Check every stored reaction again: its hash and every invariant of its motion.
 
     The invariants (equation of motion, friction, centre of pressure, limits, feet, hands, balance,
     power) are recomputed from the stored motion and compared with what was stored of them. Nothing is
-    changed; `fatplan simulate` mends what its experiment needs. Exit code 4 if a file is damaged, 3 if
-    a motion does not keep its bars.
+    changed; `fatplan simulate` replaces what its experiment needs. Exit code 4 if a file is damaged, 3 if
+    a motion violates an invariant.
     """
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.reactions.verify import Verification, verify_entry
@@ -125,7 +125,7 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: 
 def why(
     experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False
 ) -> None:
-    """Say which reactions of an EXPERIMENT are not in the cache, and what has changed since there were such.
+    """Say which reactions of an EXPERIMENT are not in the cache, and what has changed since they were.
 
     Each is compared with the nearest stored one: settings by their path, the files of fatplan that produce motions,
     and the versions of numerical libraries, solvers included.
@@ -168,9 +168,9 @@ def gc(
     delete: Annotated[bool, typer.Option("--delete", help="Delete them; without it they are only listed.")] = False,
     as_json: Json = False,
 ) -> None:
-    """List what no run of this version will ever read again, or delete it.
+    """List the files that no run of this version will ever read again, or delete them.
 
-    That is: reactions made by other versions of fatplan or of the numerical libraries, files set aside as damaged, and
+    These are reactions made by other versions of fatplan or of the numerical libraries, files set aside as damaged, and
     what killed runs have left behind. A reaction that this version can find is never deleted.
     """
     from fatigue_planner.reactions.cache import ReactionCache
@@ -210,8 +210,8 @@ def export(
 def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
     """Take the reactions of a file made by `fatplan cache export` into the cache.
 
-    Nothing in the file is believed: every reaction is checked as if it had just been simulated, and refused if it could
-    not have been. Exit code 3 if some are refused.
+    Nothing in the file is trusted: every reaction is checked as if it had just been simulated, and refused if it fails.
+    Exit code 3 if some are refused.
     """
     from fatigue_planner.reactions.archive import import_archive
     from fatigue_planner.reactions.cache import ReactionCache

@@ -30,7 +30,7 @@ DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
 def claims(
     claims: Annotated[Path, typer.Argument(metavar="CLAIMS", help="The file of claims (YAML).")] = DEFAULT_CLAIMS,
     folder: Annotated[
-        Path | None, typer.Argument(metavar="[FOLDER]", help="A results folder, in place of the options that name it.")
+        Path | None, typer.Argument(metavar="FOLDER", help="A results folder, instead of the options that name it.")
     ] = None,
     cycles: Cycles = None,
     conditions: Conditions = None,
@@ -41,11 +41,12 @@ def claims(
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
 ) -> None:
-    """Judge every claim of a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reason.
+    """Judge every claim in a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reasons.
 
     Needs the results of `fatplan benchmark` of the experiment the file names; with those of `--bound` it also says how
-    much any policy could gain. Beside the verdict is that of the paper's own test. Of a restricted grid (the options
-    that `fatplan benchmark` had, or the FOLDER of its results) it judges the claims that are about nothing else.
+    much any policy could gain. The verdict of the paper's own test is shown beside ours. For a restricted grid, give
+    the options that `fatplan benchmark` was given, or the FOLDER of its results: claims about anything outside that
+    grid are left out and named.
     """
     from fatigue_planner.core.files import digest_of_files, publish_csv
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest

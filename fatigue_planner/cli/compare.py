@@ -11,13 +11,13 @@ from fatigue_planner.core.errors import SelectionError
 
 def compare(
     first: Annotated[Path, typer.Argument(metavar="A", help="A results folder.")],
-    second: Annotated[Path, typer.Argument(metavar="B", help="Another one.")],
+    second: Annotated[Path, typer.Argument(metavar="B", help="Another results folder.")],
     save: Annotated[
         Path | None, typer.Option("--save", help="Also save a page (.html), with its table as CSV beside it.")
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Set two results folders, A and B, side by side: settings, versions and the return of every policy in both.
+    """Compare two results folders, A and B: their settings, their versions and the return of every policy.
 
     Each policy of A is compared with the same policy of B, run by run.
     """

@@ -37,9 +37,9 @@ class Finding:
 
 
 def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS, as_json: Json = False) -> None:
-    """Check this installation: versions, solvers, compiler, HDF5, folders, viewer and browser, each by using it.
+    """Check this installation (versions, solvers, compiler, HDF5, folders, viewer, browser) by using every part.
 
-    What is missing is named with what to do about it; the exit code is 3 if nothing can work without it.
+    Whatever is missing is named, with what to do about it; the exit code is 3 if nothing can work without it.
     """
     checks: list[Callable[[], Finding]] = [
         _versions, _solvers, _compiler, _hdf5, lambda: _folder("cache", cache), lambda: _folder("results", results),

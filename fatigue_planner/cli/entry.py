@@ -76,7 +76,7 @@ def tell_stopped(arguments: Sequence[str], stopped: Stopped) -> int:
     """Say what is kept and the command that goes on; returns the exit code."""
     kept = kept_text(stopped) or "What is finished is kept."
     command = shlex.join(["fatplan", *arguments])
-    return _tell(arguments, "Stopped", f"{kept} Go on with: {command}", stopped.exit_code, "Stopped. ")
+    return _tell(arguments, "Stopped", f"{kept} Continue with: {command}", stopped.exit_code, "Stopped. ")
 
 
 def kept_text(error: BaseException) -> str:

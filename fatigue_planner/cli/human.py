@@ -1,4 +1,4 @@
-"""`fatplan human`: the workers of an experiment, shown or exported."""
+"""`fatplan human`: the workers of an experiment, shown, exported, or compared with the literature."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -25,7 +25,11 @@ Workers = Annotated[list[str] | None, typer.Option(help="Only this worker (repea
 
 OneWorker = Annotated[str | None, typer.Option("--worker", help="The worker, if the experiment has several.")]
 
-app = typer.Typer(name="human", help="Show or export the digital human of an experiment.", no_args_is_help=True)
+app = typer.Typer(
+    name="human",
+    help="Show a digital human, export it, or compare it with the literature.",
+    no_args_is_help=True,
+)
 
 
 @app.command(epilog=EXIT_CODES)

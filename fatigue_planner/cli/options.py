@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the simulated reactions.")]
 ResultsFolder = Annotated[Path, typer.Option("--results", help="Folder of the results.")]
-Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Processes to use; results do not depend on it.")]
+Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of processes; results do not depend on it.")]
 Dask = Annotated[
     str | None,
     typer.Option(
@@ -36,7 +36,7 @@ Cycles = Annotated[list[int] | None, typer.Option(help="Only this number of cycl
 Conditions = Annotated[list[str] | None, typer.Option(help="Only this condition (repeatable).")]
 Policies = Annotated[list[str] | None, typer.Option(help="Only this policy (repeatable).")]
 Trials = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Trials per cell instead of the file's.")]
-Descents = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Descents of every POMCP.")]
+Descents = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Descents of every POMCP policy.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Seed instead of the file's.")]
 
 DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")

@@ -43,18 +43,18 @@ def report(
     seed: Seed = None,
     figures_only: Annotated[
         bool,
-        typer.Option("--figures-only", help="Only draw the figures of returns and reactions; no page."),
+        typer.Option("--figures-only", help="Only draw the figures of returns and reactions, without the page."),
     ] = False,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
 ) -> None:
-    """Write the report of an EXPERIMENT: one page (HTML) that opens offline and prints, with its figures and tables.
+    """Write one page (HTML) with all results of an EXPERIMENT, its figures and tables; it opens offline and prints.
 
     Needs the reactions of `fatplan simulate` and the tables of `fatplan benchmark`, which it checks row by row and
-    does not change. Every run is replayed from its actions; one that does not come to its return is named.
-    Every figure is a PNG and an SVG, with its data as CSV. Of a restricted grid: with the options that `fatplan
-    benchmark` had, or the folder of its results in place of the EXPERIMENT.
+    never changes. Every run is replayed from its actions; a run whose return differs is named. Every figure is a PNG
+    and an SVG, with its data as CSV. For a restricted grid, give the options that `fatplan benchmark` was given, or the
+    folder of its results instead of the EXPERIMENT.
     """
     from fatigue_planner.experiment.build import load_reactions, reaction_requests
     from fatigue_planner.experiment.loader import load_experiment

@@ -1,4 +1,4 @@
-"""`fatplan sensitivity`: how results depend on choices that could have been made otherwise."""
+"""`fatplan sensitivity`: how results depend on settings that could have been chosen differently."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -44,11 +44,11 @@ def sensitivity(
     results: ResultsFolder = DEFAULT_RESULTS,
     as_json: Json = False,
 ) -> None:
-    """Find out for which settings planning is worth while, and which of them decide it.
+    """Find out for which settings planning is worthwhile, and which settings decide that.
 
-    A STUDY names the settings of an experiment that could have been chosen otherwise. They are changed one at a time
-    and all at once (a space-filling design). Reactions in the cache are not simulated again; an interrupted run goes on
-    where it stopped when it is started again, and ends in the same tables.
+    A STUDY names the settings of an experiment that could have been chosen differently. They are changed one at a time
+    and all at once (a space-filling design). Reactions in the cache are not simulated again. The same command continues
+    an interrupted run where it stopped, and ends with the same tables.
     """
     from fatigue_planner.core.files import writable_folder
     from fatigue_planner.reactions.cache import ReactionCache
@@ -107,7 +107,7 @@ def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Ma
 def _publish(
     study: "Study", reacted: "Sequence[Reacted]", trials: "Mapping[str, pd.DataFrame]", folder: Path, command: str
 ) -> tuple[dict[str, Any], str]:
-    """Everything on disk: the JSON document of what was made, and the names of the files for people."""
+    """Write all tables, figures and the page; the JSON document, and the names of the files for people."""
     from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
     from fatigue_planner.output.reports.html.page import REPORT_FILE

@@ -34,8 +34,8 @@ def simulate(
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
     The joint torques, motions and contact forces of every reaction go to a file (HDF5) in the cache folder.
-    What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
-    is reported and not kept; one that had to pass a limit a little is kept as degraded, and says so.
+    Reactions that are already in the cache are not simulated again. A motion that misses the experiment's
+    accuracy is reported and not kept; a motion that slightly exceeds a limit is kept and marked as degraded.
     """
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.experiment.loader import load_experiment

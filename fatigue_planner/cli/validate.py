@@ -30,7 +30,7 @@ def validate(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An experiment, a file of claims, or a study (YAML).")],
     as_json: Json = False,
 ) -> None:
-    """Check a FILE of settings completely, without doing anything: all faults are told at once."""
+    """Check a FILE of settings completely, without running anything, and list all its faults at once."""
     from fatigue_planner.core.yaml_reader import read_yaml
 
     kind, about, error, faults = None, "", None, []
@@ -50,9 +50,9 @@ def validate(
 
 
 def schema(
-    kind: Annotated[Kind, typer.Argument(help="Of which kind of file.")] = Kind.EXPERIMENT,
+    kind: Annotated[Kind, typer.Argument(help="The kind of file.")] = Kind.EXPERIMENT,
 ) -> None:
-    """Print the JSON Schema of a kind of file, for editors that complete and check YAML while one types."""
+    """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
     from fatigue_planner.experiment.editor_schema import editor_schema
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.study.claims.schema import ClaimsFile

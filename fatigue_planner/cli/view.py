@@ -1,4 +1,4 @@
-"""`fatplan view`: the human performs the reactions, in a page or as poses side by side."""
+"""`fatplan view`: the human performs the reactions, on a page or as poses side by side."""
 
 import time
 import webbrowser
@@ -41,9 +41,9 @@ def view(
         list[float] | None, typer.Option("--at", help="Seconds of the cycle, for the poses of a .png (repeatable).")
     ] = None,
 ) -> None:
-    """Show the digital human performing the reactions of an EXPERIMENT.
+    """Show the digital human performing the reactions of an EXPERIMENT, in a browser or as a picture.
 
-    One page that needs nothing but a browser: play, scrub, orbit. Without --save it is opened.
+    The page needs nothing but a browser: play, scrub, orbit. Without --save it is opened at once.
     Needs the reactions of `fatplan simulate`.
     """
     from fatigue_planner.core.files import publish_text, writable_folder

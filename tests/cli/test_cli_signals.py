@@ -17,7 +17,7 @@ from conftest import PAPER, ROOT
 from fatigue_planner import __version__
 
 SIGNALS = [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
-ADVICE = re.compile(r"Stopped\. (?P<kept>.+) Go on with: (?P<command>fatplan .+)\n$")
+ADVICE = re.compile(r"Stopped\. (?P<kept>.+) Continue with: (?P<command>fatplan .+)\n$")
 STOPPING = "Stopping after the work in progress (once more to stop at once) ...\n"
 TABLES = ("trials.csv", "actions.csv", "comparison.csv", "contrasts.csv", "summary.txt", "manifest.json", "regret.csv")
 
@@ -130,7 +130,7 @@ def test_from_the_first_handler_to_the_last_line_a_signal_is_never_lost_and_neve
     at_the_end, *ends = [json.loads(line) for line in done.stdout.splitlines()]
     version = f"fatplan {__version__}\n"
     assert at_the_end == [0, version]
-    stopped = [143, "Stopped. What is finished is kept. Go on with: fatplan --version\n"]
+    stopped = [143, "Stopped. What is finished is kept. Continue with: fatplan --version\n"]
     for number, (code, out, err) in enumerate(ends, start=1):
         assert [code, err] == stopped or (code, out, err) == (0, version, ""), (number, code, out, err)
     assert sum(code == 143 for code, *_ in ends) > 10
@@ -219,5 +219,5 @@ run()
 def test_stopped_while_it_loads() -> None:
     command = [sys.executable, "-c", STOPPED_ON_IMPORT, "simulate", "my file.yaml", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 143 and done.stderr.endswith("Go on with: fatplan simulate 'my file.yaml' --json\n")
+    assert done.returncode == 143 and done.stderr.endswith("Continue with: fatplan simulate 'my file.yaml' --json\n")
     assert '"exit_code": 143' in done.stdout and len(done.stderr.splitlines()) == 1

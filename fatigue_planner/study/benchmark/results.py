@@ -66,7 +66,7 @@ class BenchmarkNote(Note):
     """
 
     experiment: dict[str, Any]
-    selection: Selection
+    selection: Selection = Selection()
     seed: int
     references: dict[str, ReferenceSettings]
 
