@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fatigue_planner.experiment.schema import Condition, Experiment
+from fatigue_planner.experiment.benchmark_settings import Condition
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
 from fatigue_planner.human.joint_data import maximum_torque

@@ -8,6 +8,7 @@ from pydantic_core import ErrorDetails
 
 from fatigue_planner.core.errors import MAX_SHOWN_LENGTH, listed, shortened
 from fatigue_planner.core.settings import MAX_NAME_LENGTH, Settings
+from fatigue_planner.core.yaml_reader import decimal_comma_hint
 from fatigue_planner.experiment.error_location import kinds_of, locate
 
 # More faults than these help nobody, and to describe thousands takes long.
@@ -38,11 +39,13 @@ def error_lines(error: ValidationError, kind: type[Settings], above: str = "") -
     considered = [_Fault(fault, kind, above) for fault in error.errors(include_url=False)[: _MAX_CONSIDERED + 1]]
     misspelt = {(*fault.location[:-1], fault.meant()) for fault in considered if fault.type == "extra_forbidden"}
     inside = {fault.location[:end] for fault in considered for end in range(len(fault.location))}
-    # a key missing because it is misspelt, and a list too short because what is in it is wrong, tell nothing new
+    # a default that follows from what is wrong, a key missing because it is misspelt, and a list too short because
+    # what is in it is wrong, tell nothing new
     telling = [
         fault
         for fault in considered
-        if not (fault.type == "missing" and fault.location in misspelt)
+        if fault.type != "default_factory_not_called"
+        and not (fault.type == "missing" and fault.location in misspelt)
         and not (fault.type == "too_short" and fault.location in inside)
     ]
     return [line for fault in telling for line in fault.text().split("\n")]
@@ -97,7 +100,8 @@ class _Fault:
         words = _WORDS.get(self.type)
         theirs = self.details["msg"]
         message = words.format(**self.details.get("ctx", {})) if words else theirs[0].lower() + theirs[1:]
-        return f"{self.place or 'the file'} = {shortened(value)}: {message}."
+        hint = decimal_comma_hint(value) if self.type == "float_type" else ""
+        return f"{self.place or 'the file'} = {shortened(value)}: {message}{hint}."
 
     def _known(self) -> Sequence[str]:
         _, owner = locate(self.kind, self.location[:-1])

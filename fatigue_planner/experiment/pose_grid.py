@@ -50,7 +50,9 @@ def expand_pose_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str
             singles = [(name, action)]
         for full_name, single in singles:
             if full_name in expanded:
-                faults.append(f"{dotted(['actions', name])}: its grid makes {full_name}, a name that stands twice.")
+                faults.append(
+                    f"{dotted(['actions', name])}: its grid makes {full_name}, a name that another action has."
+                )
                 break
             expanded[full_name] = single
     return content | {"actions": expanded}, faults

@@ -23,14 +23,14 @@ from fatigue_planner.pomdp.problem import Vector
 class ExactSettings(Settings):
     """The exact weighted set."""
 
-    kind: Literal["exact"]
+    kind: Literal["exact"] = Field(description="The exact weighted set of states.")
 
 
 class ParticleSettings(Settings):
     """A particle filter."""
 
-    kind: Literal["particles"]
-    count: int = Field(ge=1, le=1_000_000)
+    kind: Literal["particles"] = Field(description="A particle filter.")
+    count: int = Field(ge=1, le=1_000_000, description="Number of particles.")
 
 
 BeliefSettings = Annotated[ExactSettings | ParticleSettings, Field(discriminator="kind")]
