@@ -79,14 +79,28 @@ class Fault:
 
 
 @dataclass(frozen=True)
+class NewExperiment:
+    """`fatplan init`."""
+
+    file: Path
+    name: str
+
+
+@dataclass(frozen=True)
 class Validation:
-    """`fatplan validate`. kind: null if the file cannot be read. about: of a valid file, in words, else empty."""
+    """`fatplan validate`. kind: null if the file cannot be read. about: of a valid file, in words, else empty.
+
+    defaults: the keys that an experiment leaves to defaults; resolved: all its settings with `--resolved`, else
+    null.
+    """
 
     file: Path
     kind: str | None
     valid: bool
     faults: Sequence[Fault]
     about: str
+    defaults: Sequence[str]
+    resolved: Mapping[str, Any] | None
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,11 @@ from fatigue_planner.cli.options import EXIT_CODES
 class _Commands(LazyGroup):
     lazy = (
         LazyCommand(
+            "init",
+            "Write a short, commented experiment, NAME.yaml, to fill in with a task of your own.",
+            "fatigue_planner.cli.init:init",
+        ),
+        LazyCommand(
             "simulate",
             "Simulate the digital human for every action and motion preference of an EXPERIMENT.",
             "fatigue_planner.cli.simulate:simulate",

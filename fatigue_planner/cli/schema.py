@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import typer
 
 from fatigue_planner.cli.validate import Kind
-from fatigue_planner.experiment.editor_schema import editor_schema
+from fatigue_planner.experiment.loader import editor_schema
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.schema import ClaimsFile
 from fatigue_planner.study.sensitivity.settings import StudySettings

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+import yaml
 
 from fatigue_planner.cli.json_output import Fault, Validation
 from fatigue_planner.cli.output import Json, present
@@ -33,38 +34,54 @@ def kind_of(content: Any) -> Kind:
 
 def validate(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An experiment, a file of claims, or a study (YAML).")],
+    resolved: Annotated[
+        bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without doing anything: all faults are told at once."""
     kind = None
     try:
         kind = kind_of(read_yaml(file, ExperimentError))
-        about = _about(file, kind)
+        if resolved and kind is not Kind.EXPERIMENT:
+            raise ExperimentError(f"{file}: --resolved is for experiments only.")
+        document, text = _checked(file, kind, resolved)
     except FatplanError as error:
         if not as_json:
             raise
         faults = [Fault(line.removeprefix(f"{file}: ")) for line in str(error).splitlines()]
-        present(Validation(file, kind, False, faults, ""), "", as_json)
+        present(Validation(file, kind, False, faults, "", (), None), "", as_json)
         typer.echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code) from error
-    present(Validation(file, kind, True, (), about), f"{file}: ok; {about}.", as_json)
+    present(document, text, as_json)
 
 
-def _about(file: Path, kind: Kind) -> str:
-    """What a file is about. What reads it is loaded when its kind is known; raises what that raises."""
+def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[Validation, str]:
+    """A valid file, as a document and in words. What reads it is loaded when its kind is known; raises what it does."""
     if kind is Kind.CLAIMS:
         from fatigue_planner.study.claims.loader import load_claims  # noqa: PLC0415
 
         loaded = load_claims(file)
-        return f"{len(loaded.claims)} claims about {loaded.experiment_file}"
+        about = f"{len(loaded.claims)} claims about {loaded.experiment_file}"
+        return Validation(file, kind, True, (), about, (), None), f"{file}: ok; {about}."
     if kind is Kind.STUDY:
         from fatigue_planner.study.sensitivity.study import load_study  # noqa: PLC0415
 
         study = load_study(file)
-        return f"a study of {len(study.settings.factors)} settings of {study.base_file}"
-    from fatigue_planner.experiment.loader import load_experiment  # noqa: PLC0415
+        about = f"a study of {len(study.settings.factors)} settings of {study.base_file}"
+        return Validation(file, kind, True, (), about, (), None), f"{file}: ok; {about}."
+    from fatigue_planner.experiment import loader  # noqa: PLC0415
 
-    return _size(load_experiment(file))
+    experiment = loader.load_experiment(file)
+    complete = loader.complete_content(experiment)
+    defaults = list(loader.defaults_in(loader.read_content(file), complete))
+    about = _size(experiment)
+    text = f"{file}: ok; {about}."
+    if defaults:
+        text += f"\nLeft to defaults: {', '.join(defaults)} (--resolved prints them)."
+    if resolved:
+        text = yaml.safe_dump(complete, sort_keys=False, default_flow_style=None, width=120).rstrip()
+    return Validation(file, kind, True, (), about, defaults, complete if resolved else None), text
 
 
 def _size(experiment: "Experiment") -> str:

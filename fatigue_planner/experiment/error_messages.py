@@ -16,14 +16,14 @@ MAX_FAULTS = 50
 _MAX_CONSIDERED = 4 * MAX_FAULTS
 # Behind the name of an entry whose name itself is wrong.
 _KEY = "[key]"
+NAME_PATTERN = f"should begin with a letter and have no more than {MAX_NAME_LENGTH} letters (a to z), digits, _ . and -"
 # pydantic's words for what a YAML file should have.
 _WORDS = {
     "dict_type": "should be a mapping of keys and values",
     "model_type": "should be a mapping of keys and values",
     "model_attributes_type": "should be a mapping of keys and values",
     "tuple_type": "should be a list",
-    "string_pattern_mismatch": "should begin with a letter and have no more than "
-    f"{MAX_NAME_LENGTH} letters (a to z), digits, _ . and -",
+    "string_pattern_mismatch": NAME_PATTERN,
     "too_short": "should have at least {min_length} of them",
     "too_long": "should have at most {max_length} of them",
 }

@@ -1,28 +1,37 @@
-"""From a file to an Experiment, or one clear message."""
+"""From a file to an Experiment, or one clear message; and what a file may say, for editors."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.pose_grid import expand_pose_grids
+from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import semantic_errors
+from fatigue_planner.motion.action import Position
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+# Below these keys are entries that users name themselves; what is left out in one is not worth a word.
+ENTRIES = (
+    "actions", "preferences", "initial_beliefs", "hidden_workers", "benchmark.conditions", "benchmark.policies",
+    "statistics.families",
+)  # fmt: skip
 
 
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, checked completely.
 
-    Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, or else all of meaning.
+    Raises ExperimentError: file, key, value, what is allowed; all errors of form at once, or else all of meaning.
     """
     experiment = parse_experiment(read_content(path), str(path))
-    faults = semantic_errors(experiment)
-    if faults:
-        raise ExperimentError(joined_errors(str(path), faults))
+    errors = semantic_errors(experiment)
+    if errors:
+        raise ExperimentError(joined_errors(str(path), errors))
     return experiment
 
 
@@ -31,15 +40,44 @@ def read_content(path: Path) -> dict[str, Any]:
     content = read_yaml(path, ExperimentError)
     if not isinstance(content, dict):
         raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
-    expanded, faults = expand_pose_grids(content)
-    if faults:
-        raise ExperimentError(joined_errors(str(path), faults))
+    expanded, errors = expand_pose_grids(content)
+    if errors:
+        raise ExperimentError(joined_errors(str(path), errors))
     return expanded
 
 
 def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
-    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all faults."""
+    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all errors."""
     try:
         return Experiment.model_validate(content, strict=True)
     except ValidationError as error:
         raise ExperimentError(error_message(error, Experiment, source)) from error
+
+
+def complete_content(experiment: Experiment) -> dict[str, Any]:
+    """What a file says that leaves nothing to defaults."""
+    return experiment.model_dump(by_alias=True, exclude_none=True)
+
+
+def defaults_in(content: Mapping[str, Any], complete: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    """The dotted keys, or whole sections, that a file's content leaves to defaults other than nothing."""
+    for name, value in complete.items():
+        key = above + name
+        if name not in content:
+            if value not in ({}, ()):
+                yield key
+        elif isinstance(value, dict) and key not in ENTRIES:
+            yield from defaults_in(content[name], value, f"{key}.")
+
+
+def editor_schema(kind: type[Settings]) -> dict[str, Any]:
+    """The JSON Schema of a file; coordinates of a hand's position may be ranges (see `pose_grid`)."""
+    schema = kind.model_json_schema()
+    definitions = schema.get("$defs", {})
+    if Position.__name__ in definitions:
+        definitions[Range.__name__] = Range.model_json_schema()
+        coordinates = definitions[Position.__name__]["properties"]
+        for axis, number in coordinates.items():
+            reference = {"$ref": f"#/$defs/{Range.__name__}"}
+            coordinates[axis] = {"anyOf": [number, reference], "description": number["description"]}
+    return {"$schema": DIALECT, **schema}

@@ -21,9 +21,13 @@ MAX_DISTANCE_M = 3.0
 class Range(Settings):
     """`count` evenly spaced coordinates in m, both ends among them."""
 
-    first: float = Field(alias="from", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
-    last: float = Field(alias="to", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
-    count: int = Field(ge=2, le=1000)
+    first: float = Field(
+        alias="from", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M, description="First coordinate of the grid in m."
+    )
+    last: float = Field(
+        alias="to", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M, description="Last coordinate of the grid in m."
+    )
+    count: int = Field(ge=2, le=1000, description="Number of coordinates, both ends among them.")
 
     def values(self) -> list[float]:
         """The coordinates, rounded to a hundredth of a millimetre."""

@@ -60,10 +60,10 @@ class StudySettings(Settings):
     base: str = Field(
         min_length=1, max_length=1000, description="The base experiment's file, relative to the folder of this file."
     )
-    grid: Grid = Field(description="The runs at every point; what is left out is as in the base experiment.")
+    grid: Grid = Field(description="Which of the base experiment's runs are made at every point.")
     planners: tuple[Name, ...] = Field(min_length=1, description="Policies that are compared with the baselines.")
     baselines: tuple[Name, ...] = Field(min_length=1, description="Policies that the planners are compared with.")
-    headline: Headline = Field(description="The comparison that sentences and figures speak of; the tables hold all.")
+    headline: Headline = Field(description="The comparison that sentences and figures are about.")
     space_filling: SpaceFilling = Field(description="Points at which all factors change at once (Sobol's sequence).")
     claims: str | None = Field(
         default=None,
