@@ -16,10 +16,10 @@ from fatigue_planner.experiment.benchmark_settings import (
     Condition,
     InitialState,
     Level,
-    StatisticsSettings,
     usual_conditions,
 )
 from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action

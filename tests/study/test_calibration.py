@@ -12,7 +12,7 @@ import pytest
 from contrast_tables import trial_table
 from scipy.stats import binom
 
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrasts import contrasts
 from fatigue_planner.study.statistics.effect_sizes import detectable_noncentrality
 

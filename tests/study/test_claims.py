@@ -10,7 +10,7 @@ import pytest
 from conftest import PAPER
 
 from fatigue_planner.core.errors import ClaimsError, ExperimentError
-from fatigue_planner.experiment.benchmark_settings import Family, StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
 from fatigue_planner.study.claims.answers import Answer, all_of, any_of
 from fatigue_planner.study.claims.evaluation import Evaluation, evaluate, verdicts
 from fatigue_planner.study.claims.loader import load_claims

@@ -13,7 +13,7 @@ from contrast_tables import shared_worlds, trial_table
 
 from fatigue_planner.core.errors import UnknownContrastError
 from fatigue_planner.core.random_streams import random_stream
-from fatigue_planner.experiment.benchmark_settings import Family, StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.contrast_text import contrast_text
 from fatigue_planner.study.statistics.contrasts import contrasts

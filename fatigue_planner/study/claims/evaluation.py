@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.claims.analyses.modern import ModernAnalysis
 from fatigue_planner.study.claims.analyses.paper import PaperAnalysis
 from fatigue_planner.study.claims.answers import Verdict

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.claims.measurements import Measurements, Pair, Sample
 
 SURE = 2  # standard errors that the largest win must stay below the needed one to say so

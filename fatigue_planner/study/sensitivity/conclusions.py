@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.gains import CONFIDENCE
 from fatigue_planner.study.sensitivity.robustness import ANALYSES, reproduced_share

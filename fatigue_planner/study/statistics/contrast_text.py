@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrasts_in
 
 NOT_DIFFERENT = (Verdict.EQUIVALENT, Verdict.UNDETERMINED)

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from fatigue_planner.core.random_streams import random_stream
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast
 from fatigue_planner.study.statistics.effect_sizes import cohen_dz, detectable_difference, hedges_g, improvement
 from fatigue_planner.study.statistics.hypothesis_tests import (

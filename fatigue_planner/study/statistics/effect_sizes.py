@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.special import poch, stdtrit
 from scipy.stats import nct
 
-from fatigue_planner.experiment.benchmark_settings import POWER
+from fatigue_planner.experiment.statistics_settings import POWER
 from fatigue_planner.study.statistics.intervals import standard_error
 
 Vector = NDArray[np.float64]

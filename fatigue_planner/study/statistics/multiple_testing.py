@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from fatigue_planner.experiment.benchmark_settings import Family
+from fatigue_planner.experiment.statistics_settings import Family
 
 Vector = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ import pandas as pd
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import StaleTableError
-from fatigue_planner.experiment.benchmark_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, percent_range, significant
 from fatigue_planner.output.reports.html.page import page

@@ -2,7 +2,7 @@
 
 import math
 
-from fatigue_planner.experiment.benchmark_settings import POWER
+from fatigue_planner.experiment.statistics_settings import POWER
 from fatigue_planner.study.claims.analyses.analysis import Analysis
 from fatigue_planner.study.claims.answers import Answer, RegretJob
 from fatigue_planner.study.claims.measurements import Comparison
