@@ -1,4 +1,4 @@
-"""From an experiment to what the layers below work with."""
+"""From an experiment to what the rooms below work with: requests, parameters, scenarios."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -20,7 +20,7 @@ from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionR
 
 
 def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
-    """Every worker with every action and every preference."""
+    """A request for every worker, action and preference."""
     return tuple(
         ReactionRequest(
             ReactionName(worker_name, action_name, preference_name),
@@ -37,7 +37,7 @@ def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
 
 
 def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
-    """The experiment's reactions from the cache; `command` makes them, for the messages.
+    """The experiment's reactions from the cache; `command`: what makes them, for messages.
 
     Raises MissingReactionsError or DamagedFileError.
     """
@@ -55,7 +55,7 @@ def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
 def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
     """How one cycle of every reaction loads the worker, without keeping the motions in memory.
 
-    Raises as `load_reactions`.
+    Raises what `load_reactions` raises.
     """
     requests = reaction_requests(experiment)
     return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
@@ -94,5 +94,5 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     )
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or fitting(model.observation_reveals_outcome, prior)
-    states = np.array([model.state(one) for one in fatigue])
+    states = np.array([model.state(levels) for levels in fatigue])
     return Scenario(model, states, weights / weights.sum(), prior, belief)

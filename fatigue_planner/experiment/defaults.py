@@ -37,5 +37,5 @@ def usual_preferences(experiment: Mapping[str, Any]) -> dict[str, Preference]:
 
 
 def usual_figures(experiment: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
-    """One figure of the returns, in all conditions."""
+    """One figure of the returns in all conditions."""
     return {"returns": tuple(experiment["benchmark"].conditions)} if "benchmark" in experiment else {}

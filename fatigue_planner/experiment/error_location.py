@@ -1,4 +1,4 @@
-"""Where in a file pydantic's location of a fault is, and what should stand there."""
+"""Where in a file an error is that pydantic has located, and what type of value belongs there."""
 
 from collections.abc import Sequence
 from types import NoneType, UnionType
@@ -10,9 +10,9 @@ Location = tuple[int | str, ...]
 
 
 def locate(kind: type[Settings], location: Location) -> tuple[list[int | str], Any]:
-    """The path of a location in settings of a kind, and the type of what should stand there; None if unknown.
+    """The path in a file of settings of a kind, and the type of what belongs there; None if unknown.
 
-    Inside an entry with a `kind` pydantic's location names the kind, too, which the path in a file does not.
+    Inside an entry with a `kind`, pydantic's location names the kind, too; the path in the file does not.
     """
     parts: list[int | str] = []
     here: Any = kind
@@ -50,7 +50,7 @@ def _members(here: Any) -> dict[int | str, Any]:
 
 
 def _plain(here: Any) -> Any:
-    """A type without what is said about it, and without `| None`."""
+    """A type without its annotations, and without `| None`."""
     if get_origin(here) is Annotated:
         return _plain(get_args(here)[0])
     if get_origin(here) in (Union, UnionType):

@@ -126,7 +126,7 @@ class Experiment(Settings):
 
     @model_validator(mode="after")
     def _check_across(self) -> Self:
-        """What one part says of another; all faults, one per line."""
+        """What one part says of another; all faults at once, one per line."""
         faults = [
             *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
             *self._family_faults(), *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(),
@@ -191,12 +191,12 @@ class Experiment(Settings):
             "n_cycles": grid.n_cycles,
         }  # fmt: skip
         for name, family in self.statistics.families.items():
-            for key, there in known.items():
+            for key, names in known.items():
                 items = getattr(family, key) or ()
-                place = f"statistics.families.{name}.{key}"
-                if unknown := [item for item in items if item not in there]:
-                    yield f"{place}: {listed(unknown)}; known are {listed(there)}"
-                yield from _repeated(place, items)
+                path = f"statistics.families.{name}.{key}"
+                if unknown := [item for item in items if item not in names]:
+                    yield f"{path}: {listed(unknown)}; known are {listed(names)}"
+                yield from _repeated(path, items)
 
     def _figure_faults(self) -> Iterator[str]:
         known = self.benchmark.conditions
@@ -214,7 +214,7 @@ class Experiment(Settings):
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
-        certain = all(one.expertise == float("inf") for one in self.benchmark.conditions.values())
+        certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
 
@@ -234,10 +234,9 @@ class Experiment(Settings):
         for name, hidden in self.hidden_workers.items():
             size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
             if size > MAX_EXACT:
-                there = "infinitely many" if math.isinf(size) else size
+                count = "infinitely many" if math.isinf(size) else size
                 yield (
-                    f"belief.kind: exact can hold {MAX_EXACT} workers, in hidden_workers.{name} there are {there}; "
-                    "use particles"
+                    f"belief.kind: exact can hold {MAX_EXACT} workers, hidden_workers.{name} has {count}; use particles"
                 )
 
     def recognition_errs(self) -> bool:

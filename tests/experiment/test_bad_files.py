@@ -100,11 +100,11 @@ TOO_LARGE = {
     ),
     "a grid of 10^9 places": (
         "actions", "x: 0.5, y: -0.25, z: 1.2", ", ".join(f"{axis}: {{from: 0, to: 1, count: 1000}}" for axis in "xyz"),
-        "actions.high: its grid has 1000000000 places; at most 10000 actions are allowed in all.",
+        "actions.high: its grid has 1000000000 points; at most 10000 actions are allowed in all.",
     ),
     "several grids": (
         "actions", "  high:", "".join(f"  g{i}: {{{GRID}}}\n" for i in range(100)) + "  high:",
-        "actions.g1: its grid has 5041 places; at most 10000 actions are allowed in all.",
+        "actions.g1: its grid has 5041 points; at most 10000 actions are allowed in all.",
     ),
     "a grid that is wrong at every place": (
         "actions", "  high:", f"  g: {{{GRID.replace('z: 1', 'z: 9')}}}\n  high:",
