@@ -78,11 +78,11 @@ def benchmark(
     """
     from fatigue_planner.core.files import publish_bytes, writable_folder
     from fatigue_planner.experiment.build import load_cycle_profiles
-    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.experiment.loader import find_shipped, load_experiment
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 
-    settings, content = load_experiment(experiment), experiment.read_bytes()
+    settings, content = load_experiment(experiment), find_shipped(experiment).read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     grid = selected(settings, wanted)
     profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))

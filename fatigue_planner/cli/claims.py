@@ -24,7 +24,7 @@ from fatigue_planner.cli.options import (
 )
 from fatigue_planner.core.errors import SelectionError
 
-DEFAULT_CLAIMS = Path("experiments/paper_claims.yaml")
+DEFAULT_CLAIMS = Path("paper_claims")
 
 
 def claims(

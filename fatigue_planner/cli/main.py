@@ -13,6 +13,7 @@ from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
+from fatigue_planner.cli.init import init
 from fatigue_planner.cli.options import EXIT_CODES
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.sensitivity import sensitivity
@@ -29,7 +30,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (simulate, benchmark, claims, report, compare, sensitivity, view, validate, schema, doctor):
+for command in (init, simulate, benchmark, claims, report, compare, sensitivity, view, validate, schema, doctor):
     app.command(epilog=EXIT_CODES)(command)
 for group in (human.app, cache.app):
     app.add_typer(group, epilog=EXIT_CODES)

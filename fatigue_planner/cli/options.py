@@ -39,7 +39,7 @@ Trials = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Trials 
 Descents = Annotated[int | None, typer.Option(min=1, max=MAX_NUMBER, help="Descents of every POMCP policy.")]
 Seed = Annotated[int | None, typer.Option(min=0, help="Seed instead of the file's.")]
 
-DEFAULT_EXPERIMENT = Path("experiments/paper.yaml")
+DEFAULT_EXPERIMENT = Path("paper")
 DEFAULT_CACHE = Path("cache")
 DEFAULT_RESULTS = Path("results")
 ALL_CORES = available_cores()

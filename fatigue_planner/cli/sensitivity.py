@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from fatigue_planner.study.sensitivity.reactions import Reacted
     from fatigue_planner.study.sensitivity.study import Study
 
-DEFAULT_STUDY = Path("experiments/sensitivity.yaml")
+DEFAULT_STUDY = Path("sensitivity")
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="The study file (YAML).")]
 

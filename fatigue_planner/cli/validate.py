@@ -3,12 +3,16 @@
 import json
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+import yaml
 
 from fatigue_planner.cli.options import Json, present
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
 
 
 class Kind(StrEnum):
@@ -28,22 +32,32 @@ def kind_of(content: Any) -> Kind:
 
 def validate(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An experiment, a file of claims, or a study (YAML).")],
+    resolved: Annotated[
+        bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without running anything, and list all its faults at once."""
     from fatigue_planner.core.yaml_reader import read_yaml
+    from fatigue_planner.experiment.loader import find_shipped
 
-    kind, about, error, faults = None, "", None, []
+    document: dict[str, Any] = {"file": file, "kind": None, "valid": False, "faults": [], "about": ""}
+    document |= {"defaults": (), "resolved": None}
+    error, text = None, ""
     try:
+        file = find_shipped(file)
         kind = kind_of(read_yaml(file, ExperimentError))
-        about = _about(file, kind)
+        document |= {"file": file, "kind": kind}
+        if resolved and kind is not Kind.EXPERIMENT:
+            raise ExperimentError(f"{file}: --resolved is for experiments only.")
+        told, text = _checked(file, kind, resolved)
+        document |= {"valid": True, **told}
     except FatplanError as fault:
         if not as_json:
             raise
         error = fault
-        faults = [{"message": line.removeprefix(f"{file}: ")} for line in str(error).splitlines()]
-    document = {"file": file, "kind": kind, "valid": error is None, "faults": faults, "about": about}
-    present(document, f"{file}: ok; {about}.", as_json)
+        document["faults"] = [{"message": line.removeprefix(f"{file}: ")} for line in str(error).splitlines()]
+    present(document, text, as_json)
     if error is not None:
         typer.echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code)
@@ -53,7 +67,7 @@ def schema(
     kind: Annotated[Kind, typer.Argument(help="The kind of file.")] = Kind.EXPERIMENT,
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
-    from fatigue_planner.experiment.editor_schema import editor_schema
+    from fatigue_planner.experiment.loader import editor_schema
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.study.claims.schema import ClaimsFile
     from fatigue_planner.study.sensitivity.settings import StudySettings
@@ -62,23 +76,40 @@ def schema(
     typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
 
-def _about(file: Path, kind: Kind) -> str:
-    """What a file is about. What reads it is loaded when its kind is known; raises what that raises."""
-    from fatigue_planner.output.reports.html.blocks import counted
+def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], str]:
+    """What a valid file is about, for the document and in words.
 
+    What reads it is loaded when its kind is known; raises what that raises.
+    """
     if kind is Kind.CLAIMS:
         from fatigue_planner.study.claims.loader import load_claims
 
         loaded = load_claims(file)
-        return f"{len(loaded.claims)} claims about {loaded.experiment_file}"
+        about = f"{len(loaded.claims)} claims about {loaded.experiment_file}"
+        return {"about": about}, f"{file}: ok; {about}."
     if kind is Kind.STUDY:
         from fatigue_planner.study.sensitivity.study import load_study
 
         study = load_study(file)
-        return f"a study of {len(study.settings.factors)} settings of {study.base_file}"
-    from fatigue_planner.experiment.loader import load_experiment
+        about = f"a study of {len(study.settings.factors)} settings of {study.base_file}"
+        return {"about": about}, f"{file}: ok; {about}."
+    from fatigue_planner.experiment import loader
 
-    experiment = load_experiment(file)
+    experiment = loader.load_experiment(file)
+    complete = loader.complete_content(experiment)
+    defaults = list(loader.defaults_in(loader.read_content(file), complete))
+    about = _size(experiment)
+    text = f"{file}: ok; {about}."
+    if defaults:
+        text += f"\nLeft to defaults: {', '.join(defaults)} (--resolved prints them)."
+    if resolved:
+        text = yaml.safe_dump(complete, sort_keys=False, default_flow_style=None, width=120).rstrip()
+    return {"about": about, "defaults": defaults, "resolved": complete if resolved else None}, text
+
+
+def _size(experiment: "Experiment") -> str:
+    from fatigue_planner.output.reports.html.blocks import counted
+
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)
     cells = len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)

@@ -1,4 +1,4 @@
-"""The base of every group of settings: frozen, strict, finite, no unknown key; and data files checked against one."""
+"""The base of every group of settings: frozen, strict, finite, no unknown key; and data files checked against it."""
 
 import json
 from pathlib import Path
@@ -8,12 +8,12 @@ from pydantic import BaseModel, ConfigDict, Field, StringConstraints, TypeAdapte
 from pydantic_core import ErrorDetails
 
 from fatigue_planner.core.errors import DataFileError, shortened
-from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.core.yaml_reader import decimal_comma_hint, read_yaml
 
 T = TypeVar("T")
 
 MAX_NAME_LENGTH = 40
-# More faults of a data file help nobody.
+# More errors than these in one message help nobody.
 MAX_FAULTS = 20
 # What files, columns and folders can be called.
 Name = Annotated[str, StringConstraints(pattern=rf"^[A-Za-z][A-Za-z0-9_.-]{{0,{MAX_NAME_LENGTH - 1}}}$")]
@@ -22,7 +22,7 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Settings(BaseModel):
-    """A group of settings as it stands in an experiment file."""
+    """A group of settings in a file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, ser_json_inf_nan="strings")
 
@@ -44,6 +44,7 @@ def load_data(path: Path, kind: type[T]) -> T:
 
 
 def _described(fault: ErrorDetails) -> str:
-    place = ".".join(map(str, fault["loc"]))
+    key = ".".join(map(str, fault["loc"]))
     value = "" if fault["type"] == "missing" else f" = {shortened(fault['input'])}"
-    return f"{place}{value}: {fault['msg']}"
+    hint = decimal_comma_hint(fault["input"]) if fault["type"] == "float_type" else ""
+    return f"{key}{value}: {fault['msg']}{hint}"

@@ -1,25 +1,40 @@
-"""Reading YAML strictly: safe types only, no duplicate keys, no aliases, no tags, numbers like 1e-3 are numbers."""
+"""Reading YAML strictly: safe types only, no duplicate keys, no tags, numbers like 1e-3 are numbers.
 
+Anchors, aliases and merge keys (`<<`) are allowed; the limits on size hold for what they are written out to.
+"""
+
+import itertools
 import math
 import re
 import unicodedata
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import yaml
 
 from fatigue_planner.core.errors import MAX_SHOWN_LENGTH, FatplanError, shortened
 
-# A file of ours has some kilobytes and hundreds of values. The limits keep every file readable within half a second.
+# A file of settings has some kilobytes and hundreds of values. The limits keep files readable within half a second.
 MAX_FILE_BYTES = 500_000
 MAX_VALUES = 10_000
-DEEPEST = 40
+MAX_DEPTH = 40
 MAX_DIGITS = 30
 
-_STR, _INT, _FLOAT = (f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float"))
-# Resolved as in PyYAML; numbers have rules of their own, and dates, merge keys and = are text to us.
-_RESOLVED = ("tag:yaml.org,2002:null", "tag:yaml.org,2002:bool")
-_MAY_STAND_IN_TEXT = "\t\n"
+_NULL, _BOOL, _STR, _INT, _FLOAT, _MERGE = (
+    f"tag:yaml.org,2002:{name}" for name in ("null", "bool", "str", "int", "float", "merge")
+)
+# Resolved as in PyYAML; numbers have rules of their own, and dates and = are text to us.
+_RESOLVED = (_NULL, _BOOL, _MERGE)
+_ALLOWED_CONTROLS = "\t\n"
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+([eE][-+]?[0-9]+)?")
+
+
+class _Size(NamedTuple):
+    """How large a node is with its aliases written out: keys and values, characters of scalars, levels."""
+
+    values: int
+    characters: int
+    levels: int
 
 
 class _StrictLoader(yaml.SafeLoader):
@@ -27,37 +42,99 @@ class _StrictLoader(yaml.SafeLoader):
 
     def __init__(self, text: str) -> None:
         super().__init__(text)
-        self._depth = self._values = 0
+        self._depth = self._values = self._characters = 0
+        self._levels_below = 0  # of the nodes composed so far inside the present one
+        self._sizes: dict[str, _Size] = {}  # of the finished nodes that have an anchor
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         event = self.peek_event()  # type: ignore[no-untyped-call]
         if isinstance(event, yaml.AliasEvent):
-            _refuse("aliases (*name) are not allowed", event)
+            return self._compose_alias(event, parent, index)
         if event.tag is not None:
             _refuse(f"tags (here {shortened(event.tag)}) are not allowed", event)
-        self._depth, self._values = self._depth + 1, self._values + 1
-        if self._depth > DEEPEST:
-            _refuse(f"nested more than {DEEPEST} deep", event)
-        if self._values > MAX_VALUES:
-            _refuse(f"more than {MAX_VALUES} keys and values; this is not one of ours", event)
+        if event.anchor in self.anchors:
+            _refuse(f"anchor &{event.anchor[:MAX_SHOWN_LENGTH]} is given twice", event)
+        before, siblings = (self._values, self._characters), self._levels_below
+        self._depth, self._levels_below = self._depth + 1, 0
+        characters = len(event.value) if isinstance(event, yaml.ScalarEvent) else 0
+        self._grow(_Size(1, characters, 0), event)
         node = super().compose_node(parent, index)
-        self._depth -= 1
+        if isinstance(node, yaml.MappingNode):
+            _check_keys(node)
+        elif isinstance(node, yaml.SequenceNode):
+            _check_commas(node)
+        size = _Size(self._values - before[0], self._characters - before[1], self._levels_below + 1)
+        if event.anchor is not None:
+            self._sizes[event.anchor] = size
+        self._depth, self._levels_below = self._depth - 1, max(siblings, size.levels)
         return node
 
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        seen: set[Any] = set()
-        for key_node, _ in node.value:
-            if key_node.tag != _STR:
-                written = key_node.value if isinstance(key_node, yaml.ScalarNode) else "a list or mapping"
-                _refuse(
-                    f"key {written[:MAX_SHOWN_LENGTH] or '(nothing)'} is not text; put it in quotes if it is a name",
-                    key_node,
-                )
-            key = self.construct_object(key_node, deep=True)
-            if key in seen:
-                _refuse(f"key {shortened(key)} stands twice", key_node)
-            seen.add(key)
-        return super().construct_mapping(node, deep)
+    def _compose_alias(self, event: yaml.AliasEvent, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
+        name = str(event.anchor)
+        if name in self._sizes:
+            self._grow(self._sizes[name], event)
+            self._levels_below = max(self._levels_below, self._sizes[name].levels)
+        elif name in self.anchors:
+            _refuse(f"alias *{name[:MAX_SHOWN_LENGTH]} is inside what it stands for", event)
+        return super().compose_node(parent, index)
+
+    def _grow(self, size: _Size, event: Any) -> None:
+        """Count what is read, or what an alias stands for. Refuse what is too large before it is built."""
+        self._values, self._characters = self._values + size.values, self._characters + size.characters
+        written_out = ", aliases written out" if self._sizes else ""
+        if self._depth + size.levels > MAX_DEPTH:
+            _refuse(f"nested more than {MAX_DEPTH} deep{written_out}", event)
+        if self._values > MAX_VALUES:
+            _refuse(f"more than {MAX_VALUES} keys and values{written_out}; settings need a few hundred", event)
+        if self._characters > MAX_FILE_BYTES:
+            _refuse(f"more than {MAX_FILE_BYTES} characters{written_out}; settings need a few thousand", event)
+
+
+def _check_keys(node: yaml.MappingNode) -> None:
+    """Every key is text, and given once."""
+    seen: set[str] = set()
+    before: tuple[yaml.Node, yaml.Node] | None = None
+    for key, value in node.value:
+        if key.tag not in (_STR, _MERGE):
+            if before is not None and _cut_number(before[1], key) and value.tag == _NULL:
+                whole, decimals, name = before[1].value, key.value, before[0].value[:MAX_SHOWN_LENGTH]
+                _refuse(f"{name}: {whole},{decimals} has a decimal comma; write {whole}.{decimals}", before[1])
+            written = key.value if isinstance(key, yaml.ScalarNode) else "a list or mapping"
+            _refuse(
+                f"key {written[:MAX_SHOWN_LENGTH] or '(nothing)'} is not text; put it in quotes if it is a name", key
+            )
+        if key.value in seen:
+            _refuse(f"key {shortened(key.value)} is given twice", key)
+        seen.add(key.value)
+        before = (key, value)
+
+
+def _check_commas(node: yaml.SequenceNode) -> None:
+    """In [0,5, 1] only some numbers have a space between them: 0.5 may be meant."""
+    pairs = [(a, b) for a, b in itertools.pairwise(node.value) if a.end_mark.line == b.start_mark.line]
+    close = [pair for pair in pairs if _cut_number(*pair) and _gap(*pair) == len(",")]
+    if node.flow_style and close and any(_gap(*pair) > len(",") for pair in pairs):
+        whole, decimals = (number.value for number in close[0])
+        written = f"{whole},{decimals} in a list"
+        _refuse(f"{written}: write {whole}.{decimals} for one number, '{whole}, {decimals}' for two", close[0][0])
+
+
+def _cut_number(left: yaml.Node, right: yaml.Node) -> bool:
+    """Whether a comma between two nodes may be meant as a decimal point."""
+    scalars = left.tag == _INT and right.tag in (_INT, _FLOAT)
+    return scalars and _DECIMAL_COMMA.fullmatch(f"{left.value},{right.value}") is not None
+
+
+def _gap(left: yaml.Node, right: yaml.Node) -> int:
+    """The characters between two nodes."""
+    return int(right.start_mark.index - left.end_mark.index)
+
+
+def decimal_comma_hint(value: object) -> str:
+    """What to write instead of a text like '0,5', for the end of a message about it; empty for any other value."""
+    if isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value.strip()[:MAX_SHOWN_LENGTH]):
+        return f"; write {value.strip().replace(',', '.')}, with a decimal point"
+    return ""
 
 
 def _refuse(problem: str, where: Any) -> NoReturn:
@@ -66,11 +143,11 @@ def _refuse(problem: str, where: Any) -> NoReturn:
 
 
 def _text(_loader: _StrictLoader, node: yaml.ScalarNode) -> str:
-    """Text without the characters that steer a terminal, and without halves of characters."""
+    """Text without characters that control a terminal, and without halves of characters."""
     text = str(node.value)
     for character in text:
-        if unicodedata.category(character) in ("Cc", "Cs") and character not in _MAY_STAND_IN_TEXT:
-            _refuse(f"the character \\u{ord(character):04x} may not stand in text", node)
+        if unicodedata.category(character) in ("Cc", "Cs") and character not in _ALLOWED_CONTROLS:
+            _refuse(f"the character \\u{ord(character):04x} is not allowed in text", node)
     return text
 
 
@@ -118,23 +195,30 @@ def read_yaml(path: Path, error_type: type[FatplanError]) -> Any:
     """The content of a YAML file. Raises `error_type` naming the file and, where known, the line."""
     text = _read_text(path, error_type)
     try:
-        return yaml.load(text, Loader=_StrictLoader)
+        return _unshared(yaml.load(text, Loader=_StrictLoader))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
-        place = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
-        raise error_type(f"{path}: {place}{error.problem}.") from error
+        position = f"line {mark.line + 1}, column {mark.column + 1}: " if mark else ""
+        raise error_type(f"{path}: {position}{error.problem}.") from error
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         character = f"\\u{ord(text[error.position]):04x}"
-        raise error_type(f"{path}: line {line}: the character {character} may not stand in a file.") from error
+        raise error_type(f"{path}: line {line}: the character {character} is not allowed in a file.") from error
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # PyYAML's own: "\UFFFFFFFF"
         raise error_type(f"{path}: is not valid YAML ({error}).") from error
 
 
+def _unshared(value: Any) -> Any:
+    """The value with a copy of its own for every alias, so that to change one is not to change another."""
+    if isinstance(value, dict):
+        return {key: _unshared(item) for key, item in value.items()}
+    return tuple(map(_unshared, value)) if isinstance(value, tuple) else value
+
+
 def _read_text(path: Path, error_type: type[FatplanError]) -> str:
-    """The text of a file, never more than is allowed: the size a file states may be wrong."""
+    """The text of a file, never more than is allowed: the size that the system reports may be wrong."""
     try:
-        if not path.is_file():  # a pipe could make us wait for ever, a device has no end
+        if not path.is_file():  # a pipe could make us wait for ever, and a device has no end
             reason = "is not a file" if path.exists() else "No such file"
             raise error_type(f"{path.absolute()}: cannot be read ({reason}).")
         with path.open("rb") as file:
@@ -142,7 +226,7 @@ def _read_text(path: Path, error_type: type[FatplanError]) -> str:
     except OSError as error:
         raise error_type(f"{path}: cannot be read ({error.strerror}).") from error
     if len(content) > MAX_FILE_BYTES:
-        raise error_type(f"{path}: is larger than {MAX_FILE_BYTES} bytes; this is not one of ours.")
+        raise error_type(f"{path}: is larger than {MAX_FILE_BYTES} bytes; settings need a few thousand.")
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:

@@ -1,11 +1,12 @@
-"""From an experiment to what the layers below work with."""
+"""From an experiment to what the rooms below work with: requests, parameters, scenarios."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from fatigue_planner.experiment.schema import Condition, Experiment
+from fatigue_planner.experiment.benchmark_settings import Condition
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
 from fatigue_planner.human.joint_data import maximum_torque
@@ -19,7 +20,7 @@ from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionR
 
 
 def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
-    """Every worker with every action and every preference."""
+    """A request for every worker, action and preference."""
     return tuple(
         ReactionRequest(
             ReactionName(worker_name, action_name, preference_name),
@@ -36,7 +37,7 @@ def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
 
 
 def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
-    """The experiment's reactions from the cache; `command` makes them, for the messages.
+    """The experiment's reactions from the cache; `command`: what makes them, for messages.
 
     Raises MissingReactionsError or DamagedFileError.
     """
@@ -54,7 +55,7 @@ def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
 def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
     """How one cycle of every reaction loads the worker, without keeping the motions in memory.
 
-    Raises as `load_reactions`.
+    Raises what `load_reactions` raises.
     """
     requests = reaction_requests(experiment)
     return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
@@ -93,5 +94,5 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     )
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or fitting(model.observation_reveals_outcome, prior)
-    states = np.array([model.state(one) for one in fatigue])
+    states = np.array([model.state(levels) for levels in fatigue])
     return Scenario(model, states, weights / weights.sum(), prior, belief)

@@ -1,4 +1,4 @@
-"""Where in a file pydantic's location of a fault is, and what should stand there."""
+"""Where in a file an error is that pydantic has located, and what type of value belongs there."""
 
 from collections.abc import Sequence
 from types import NoneType, UnionType
@@ -11,9 +11,9 @@ Location = tuple[int | str, ...]
 
 
 def locate(kind: type[Settings], location: Location) -> tuple[list[int | str], Any]:
-    """The path of a location in settings of a kind, and the type of what should stand there; None if unknown.
+    """The path in a file of settings of a kind, and the type of what belongs there; None if unknown.
 
-    Inside an entry with a `kind` pydantic's location names the kind, too, which the path in a file does not.
+    Inside an entry with a `kind`, pydantic's location names the kind, too; the path in the file does not.
     """
     parts: list[int | str] = []
     here: Any = kind

@@ -1,6 +1,6 @@
-"""From a file to an Experiment, or one clear message."""
+"""From a file to an Experiment, or one clear message; and what a file may say, for editors."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,11 +8,20 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, listed
 from fatigue_planner.core.files import PACKAGE
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.pose_grid import expand_pose_grids
+from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import semantic_errors
+from fatigue_planner.motion.action import Position
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+# Below these keys are entries that users name themselves; what is left out in one is not worth a word.
+ENTRIES = (
+    "actions", "preferences", "initial_beliefs", "hidden_workers", "benchmark.conditions", "benchmark.policies",
+    "statistics.families",
+)  # fmt: skip
 
 
 def shipped_folder() -> Path:
@@ -21,12 +30,12 @@ def shipped_folder() -> Path:
     return inside if inside.is_dir() else PACKAGE.parent / "experiments"
 
 
-def find_experiment(path: Path) -> Path:
+def find_shipped(path: Path) -> Path:
     """The file that is meant: itself or, where there is no such file, the one of this name that ships with fatplan.
 
     Raises ExperimentError, naming those that ship, if a name (no folder, no `.yaml`) is none of them.
     """
-    if path.exists() or path.name != str(path) or path.suffix in {".yaml", ".yml"}:
+    if path.is_file() or path.name != str(path) or path.suffix in {".yaml", ".yml"}:
         return path
     shipped = shipped_folder() / f"{path}.yaml"
     if shipped.exists():
@@ -38,13 +47,13 @@ def find_experiment(path: Path) -> Path:
 def load_experiment(path: Path) -> Experiment:
     """The experiment of a file, or one that ships with fatplan by its name, checked completely.
 
-    Raises ExperimentError: file, key, value, what is allowed; all faults of form at once, or else all of meaning.
+    Raises ExperimentError: file, key, value, what is allowed; all errors of form at once, or else all of meaning.
     """
-    path = find_experiment(path)
+    path = find_shipped(path)
     experiment = parse_experiment(read_content(path), str(path))
-    faults = semantic_errors(experiment)
-    if faults:
-        raise ExperimentError(joined_errors(str(path), faults))
+    errors = semantic_errors(experiment)
+    if errors:
+        raise ExperimentError(joined_errors(str(path), errors))
     return experiment
 
 
@@ -53,15 +62,44 @@ def read_content(path: Path) -> dict[str, Any]:
     content = read_yaml(path, ExperimentError)
     if not isinstance(content, dict):
         raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
-    expanded, faults = expand_pose_grids(content)
-    if faults:
-        raise ExperimentError(joined_errors(str(path), faults))
+    expanded, errors = expand_pose_grids(content)
+    if errors:
+        raise ExperimentError(joined_errors(str(path), errors))
     return expanded
 
 
 def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
-    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all faults."""
+    """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all errors."""
     try:
         return Experiment.model_validate(content, strict=True)
     except ValidationError as error:
         raise ExperimentError(error_message(error, Experiment, source)) from error
+
+
+def complete_content(experiment: Experiment) -> dict[str, Any]:
+    """What a file says that leaves nothing to defaults."""
+    return experiment.model_dump(by_alias=True, exclude_none=True)
+
+
+def defaults_in(content: Mapping[str, Any], complete: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    """The dotted keys, or whole sections, that a file's content leaves to defaults other than nothing."""
+    for name, value in complete.items():
+        key = above + name
+        if name not in content:
+            if value not in ({}, ()):
+                yield key
+        elif isinstance(value, dict) and key not in ENTRIES:
+            yield from defaults_in(content[name], value, f"{key}.")
+
+
+def editor_schema(kind: type[Settings]) -> dict[str, Any]:
+    """The JSON Schema of a file; coordinates of a hand's position may be ranges (see `pose_grid`)."""
+    schema = kind.model_json_schema()
+    definitions = schema.get("$defs", {})
+    if Position.__name__ in definitions:
+        definitions[Range.__name__] = Range.model_json_schema()
+        coordinates = definitions[Position.__name__]["properties"]
+        for axis, number in coordinates.items():
+            reference = {"$ref": f"#/$defs/{Range.__name__}"}
+            coordinates[axis] = {"anyOf": [number, reference], "description": number["description"]}
+    return {"$schema": DIALECT, **schema}

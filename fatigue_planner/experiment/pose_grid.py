@@ -1,4 +1,4 @@
-"""Grids of poses: an action whose coordinates are ranges stands for one action per place of the grid."""
+"""Grids of poses: an action whose coordinates are ranges stands for one action per point of the grid."""
 
 import itertools
 import math
@@ -21,9 +21,13 @@ MAX_DISTANCE_M = 3.0
 class Range(Settings):
     """`count` evenly spaced coordinates in m, both ends among them."""
 
-    first: float = Field(alias="from", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
-    last: float = Field(alias="to", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M)
-    count: int = Field(ge=2, le=1000)
+    first: float = Field(
+        alias="from", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M, description="First coordinate of the grid in m."
+    )
+    last: float = Field(
+        alias="to", ge=-MAX_DISTANCE_M, le=MAX_DISTANCE_M, description="Last coordinate of the grid in m."
+    )
+    count: int = Field(ge=2, le=1000, description="Number of coordinates, both ends among them.")
 
     def values(self) -> list[float]:
         """The coordinates, rounded to a hundredth of a millimetre."""
@@ -50,7 +54,9 @@ def expand_pose_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str
             singles = [(name, action)]
         for full_name, single in singles:
             if full_name in expanded:
-                faults.append(f"{dotted(['actions', name])}: its grid makes {full_name}, a name that stands twice.")
+                faults.append(
+                    f"{dotted(['actions', name])}: its grid makes {full_name}, a name that another action has."
+                )
                 break
             expanded[full_name] = single
     return content | {"actions": expanded}, faults
@@ -60,8 +66,8 @@ class _GridError(Exception):
     """The faults of one action's grid."""
 
 
-def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
-    """The actions of a grid by name, `room` at most; of any other action itself. Raises _GridError."""
+def _expand(name: str, action: Any, max_actions: int) -> list[tuple[str, Any]]:
+    """The actions of a grid by name, at most `max_actions`; any other action as it is. Raises _GridError."""
     axes: dict[str, dict[str, list[float]]] = {}  # axis -> hand -> values
     for hand, axis, value in _ranges(action):
         key = dotted(["actions", name, hand, "position_m", axis])
@@ -73,17 +79,17 @@ def _expand(name: str, action: Any, room: int) -> list[tuple[str, Any]]:
         if len({len(values) for values in hands.values()}) > 1:
             raise _GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
     counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
-    if (size := math.prod(map(len, counts))) > room:
-        raise _GridError(f"{key}: its grid has {size} places; at most {MAX_ACTIONS} actions are allowed in all.")
+    if (size := math.prod(map(len, counts))) > max_actions:
+        raise _GridError(f"{key}: its grid has {size} points; at most {MAX_ACTIONS} actions are allowed in all.")
     singles = []
-    for places in itertools.product(*counts):
+    for indices in itertools.product(*counts):
         single = dict(action)
         label = name
-        for (axis, hands), place in zip(axes.items(), places, strict=True):
-            label += f"_{axis}{next(iter(hands.values()))[place]:g}".replace("-", "m")
+        for (axis, hands), index in zip(axes.items(), indices, strict=True):
+            label += f"_{axis}{next(iter(hands.values()))[index]:g}".replace("-", "m")
             for hand, values in hands.items():
                 goal = single[hand]
-                single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[place]}}
+                single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[index]}}
         if len(label) > MAX_NAME_LENGTH:
             raise _GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
         singles.append((label, single))

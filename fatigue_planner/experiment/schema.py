@@ -1,23 +1,31 @@
-"""The content of an experiment file."""
+"""The content of an experiment file; the paper's values hold wherever a file says nothing else."""
 
 import math
 from collections.abc import Collection, Iterator
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from fatigue_planner.core.errors import listed
-from fatigue_planner.core.settings import Name, Seed, Settings
+from fatigue_planner.core.settings import Name, Settings
+from fatigue_planner.experiment.benchmark_settings import (
+    RESTED,
+    Benchmark,
+    Condition,
+    InitialState,
+    Level,
+    usual_conditions,
+)
+from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference
-from fatigue_planner.planners.lookahead import ReferenceSettings
-from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
 
@@ -25,8 +33,6 @@ from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPr
 MAX_ACTIONS = 10_000
 MAX_REACTIONS = 100_000
 MAX_CELLS = 100_000
-
-Level = Annotated[float, Field(ge=0, le=1)]
 
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
@@ -36,75 +42,100 @@ RESERVED = (
 )  # fmt: skip
 
 
-class InitialState(Settings):
-    """One state the worker may start in: fatigue by joint, the rest relaxed."""
-
-    probability: float = Field(gt=0, le=1)
-    fatigue: dict[str, Level] = Field(default_factory=dict)
-
-
-class Condition(Settings):
-    """What is varied between runs besides policy and length: the worker, what is known of the start, expertise.
-
-    Where an experiment has one worker only, `worker` may be left out.
-    """
-
-    worker: Name | None = None
-    initial_belief: Name
-    # beta of Eq. 4; .inf is an expert. NaN fails ge=0. Left out where the hidden worker's is unknown.
-    expertise: float | None = Field(default=None, ge=0, allow_inf_nan=True)
-    # What the robot does not know of the worker: a name under hidden_workers; None: it knows him.
-    hidden_worker: Name | None = None
-
-
-class Benchmark(Settings):
-    """The grid of runs (paper, section IV-E)."""
-
-    conditions: dict[Name, Condition] = Field(min_length=1, max_length=1000)
-    policies: dict[Name, AnyPolicy] = Field(min_length=1, max_length=1000)
-    n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(min_length=1, max_length=1000)
-    trials: int = Field(ge=1, le=1_000_000)
-    seed: Seed
-    # What `--regret` measures decisions against; left out, the deepest affordable lookahead.
-    reference: ReferenceSettings | None = None
-
-
 class Experiment(Settings):
-    """Everything that defines an experiment.
+    """Everything that defines an experiment. Only its name and its actions have no default.
 
     >>> isinstance(experiment, fp.Experiment), list(experiment.preferences)
     (True, ['arm', 'back'])
     """
 
-    name: Name
-    workers: dict[Name, Worker] = Field(min_length=1, max_length=50)
-    tool: Tool
-    cycle: Cycle
-    actions: dict[Name, Action] = Field(min_length=1, max_length=MAX_ACTIONS)
-    preferences: dict[Name, Preference] = Field(min_length=1, max_length=100)
-    controller: Controller
-    accuracy: Accuracy
-    fatigue: FatigueSettings
-    discount: float = Field(ge=0, le=1)
-    initial_beliefs: dict[Name, Annotated[tuple[InitialState, ...], Field(max_length=1000)]] = Field(
-        min_length=1, max_length=1000
+    name: Name = Field(description="Name of the experiment; results go to a folder of this name.")
+    workers: dict[Name, Worker] = Field(
+        default_factory=usual_workers,
+        min_length=1,
+        max_length=50,
+        description="Workers by name. Default: an average man of 1.75 m and 75 kg.",
     )
-    hidden_workers: dict[Name, HiddenWorker] = Field(default_factory=dict, max_length=1000)
-    # P(o | u): preference -> recognised as -> probability; left out, a reaction is always recognised.
-    recognition: dict[Name, dict[Name, Level]] | None = None
-    # How beliefs are kept; left out, the exact set where it stays finite, else particles.
-    belief: AnyBelief | None = None
-    benchmark: Benchmark
-    statistics: StatisticsSettings
-    # Figures of the returns: name -> conditions, one row of panels each.
-    figures: dict[Name, tuple[Name, ...]] = Field(max_length=1000)
+    tool: Tool = Field(default=Tool(mass_kg=0.0), description="Tool in the right hand. Default: none.")
+    cycle: Cycle = Field(
+        default=Cycle(), description="Phases of one cycle: reach, work and return, each with its duration in s."
+    )
+    actions: dict[Name, Action] = Field(
+        min_length=1, max_length=MAX_ACTIONS, description="What the robot can choose between, by name."
+    )
+    preferences: dict[Name, Preference] = Field(
+        default_factory=usual_preferences,
+        min_length=1,
+        max_length=100,
+        description="Ways in which the worker can react to an action, by name. Default: the paper's arm and back "
+        "(section IV-C).",
+    )
+    controller: Controller = Field(default=Controller(), description="How the digital human moves.")
+    accuracy: Accuracy = Field(
+        default=Accuracy(), description="What a simulated motion must fulfil; one that misses a limit is not used."
+    )
+    fatigue: FatigueSettings = Field(
+        default=FatigueSettings(), description="How joints tire and recover (paper, Eq. 2 and section IV-B)."
+    )
+    discount: float = Field(
+        default=0.95,
+        ge=0,
+        le=1,
+        description="Discount factor of a cycle, without unit; the paper's is 0.95 (section IV-D).",
+    )
+    initial_beliefs: dict[Name, Annotated[tuple[InitialState, ...], Field(max_length=1000)]] = Field(
+        default_factory=usual_beliefs,
+        min_length=1,
+        max_length=1000,
+        description="What the robot may know of the worker's fatigue at the start, by name: states with probabilities. "
+        "Default: rested.",
+    )
+    hidden_workers: dict[Name, HiddenWorker] = Field(
+        default_factory=dict,
+        max_length=1000,
+        description="What the robot may not know of a worker, by name: distributions of rates and expertise.",
+    )
+    recognition: dict[Name, dict[Name, Level]] | None = Field(
+        default=None,
+        description="Probabilities with which a reaction is recognised: preference, what it is recognised as, "
+        "probability. Default: reactions are recognised without error.",
+    )
+    belief: AnyBelief | None = Field(
+        default=None,
+        description="How beliefs are kept. Default: the exact set where that is finite and small, else particles.",
+    )
+    benchmark: Benchmark = Field(
+        default_factory=Benchmark,
+        validate_default=True,
+        description="The grid of runs: conditions, policies, lengths, trials.",
+    )
+    statistics: StatisticsSettings = Field(
+        default=StatisticsSettings(), description="How policies are compared; fixed before results are seen."
+    )
+    figures: dict[Name, tuple[Name, ...]] = Field(
+        default_factory=usual_figures,
+        max_length=1000,
+        description="Figures of the returns: name and conditions, one row of panels each. Default: all in one.",
+    )
+
+    @field_validator("benchmark", mode="before")
+    @classmethod
+    def _name_conditions(cls, benchmark: Any, info: ValidationInfo) -> Any:
+        """The conditions that are left out: they follow from the names of workers and initial beliefs."""
+        if isinstance(benchmark, Benchmark):
+            benchmark = {key: getattr(benchmark, key) for key in benchmark.model_fields_set}
+        if not isinstance(benchmark, dict) or "conditions" in benchmark:
+            return benchmark
+        workers, beliefs = info.data.get("workers", {}), info.data.get("initial_beliefs", {})
+        return {"conditions": usual_conditions(workers or ("",), beliefs or (RESTED,)), **benchmark}
 
     @model_validator(mode="after")
     def _check_across(self) -> Self:
-        """What one part says of another; all faults, one per line."""
+        """What one part says of another; all faults at once, one per line."""
         faults = [
-            *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._family_faults(),
-            *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(),
+            *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
+            *self._family_faults(), *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(),
+            *self._belief_faults(),
         ]  # fmt: skip
         if faults:
             raise ValueError("\n".join(faults))
@@ -152,6 +183,14 @@ class Experiment(Settings):
         if condition.expertise is not None and hidden.expertise is not None:
             yield f"{key}.expertise: hidden_workers.{condition.hidden_worker} already gives one"
 
+    def _budget_faults(self) -> Iterator[str]:
+        for name, policy in self.benchmark.policies.items():
+            if not isinstance(policy, PomcpSettings) or policy.descents is None:
+                continue
+            if policy.descents < len(self.actions):
+                key = f"benchmark.policies.{name}.descents"
+                yield f"{key} = {policy.descents}: {too_few_descents(len(self.actions))}"
+
     def _family_faults(self) -> Iterator[str]:
         grid = self.benchmark
         known: dict[str, Collection[object]] = {
@@ -159,12 +198,12 @@ class Experiment(Settings):
             "n_cycles": grid.n_cycles,
         }  # fmt: skip
         for name, family in self.statistics.families.items():
-            for key, there in known.items():
+            for key, names in known.items():
                 items = getattr(family, key) or ()
-                place = f"statistics.families.{name}.{key}"
-                if unknown := [item for item in items if item not in there]:
-                    yield f"{place}: {listed(unknown)}; known are {listed(there)}"
-                yield from _repeated(place, items)
+                path = f"statistics.families.{name}.{key}"
+                if unknown := [item for item in items if item not in names]:
+                    yield f"{path}: {listed(unknown)}; known are {listed(names)}"
+                yield from _repeated(path, items)
 
     def _figure_faults(self) -> Iterator[str]:
         known = self.benchmark.conditions
@@ -182,7 +221,7 @@ class Experiment(Settings):
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
-        certain = all(one.expertise == float("inf") for one in self.benchmark.conditions.values())
+        certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
 
@@ -202,10 +241,9 @@ class Experiment(Settings):
         for name, hidden in self.hidden_workers.items():
             size = WorkerPrior(hidden, 0.0 if hidden.expertise is None else None).size
             if size > MAX_EXACT:
-                there = "infinitely many" if math.isinf(size) else size
+                count = "infinitely many" if math.isinf(size) else size
                 yield (
-                    f"belief.kind: exact can hold {MAX_EXACT} workers, in hidden_workers.{name} there are {there}; "
-                    "use particles"
+                    f"belief.kind: exact can hold {MAX_EXACT} workers, hidden_workers.{name} has {count}; use particles"
                 )
 
     def recognition_errs(self) -> bool:
@@ -226,12 +264,17 @@ class Experiment(Settings):
         return condition.worker or next(iter(self.workers))
 
 
+def too_few_descents(n_actions: int) -> str:
+    """What is wrong with a search that descends less often than there are actions: it never tries some of them."""
+    return f"{n_actions} actions need at least {n_actions} descents, one for each"
+
+
 def _repeated(key: str, items: Collection[object]) -> Iterator[str]:
-    """A fault for the first item that stands twice."""
+    """A fault for the first item that is given twice."""
     seen: set[object] = set()
     for item in items:
         if item in seen:
-            yield f"{key}: {item} stands twice"
+            yield f"{key}: {item} is given twice"
             return
         seen.add(item)
 

@@ -1,4 +1,4 @@
-"""What the types of the schema cannot say: unknown joints and strengths, times and targets that cannot be."""
+"""What the types of the schema cannot say: unknown joints and strengths, impossible times and targets."""
 
 import itertools
 from collections.abc import Iterator
@@ -15,12 +15,12 @@ from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.payload import HandForce
 
-# Every place of a grid may be out of reach of every worker.
+# Every point of a grid may be out of every worker's reach.
 MAX_REACH_FAULTS = 1000
 
 
 def semantic_errors(experiment: Experiment) -> list[str]:
-    """Everything that cannot be, each with its key."""
+    """Everything that is impossible, each with its key."""
     return list(
         itertools.chain(
             _worker_faults(experiment),
@@ -52,20 +52,20 @@ def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
     state = BodyState(human)
     state.update(human.stance, np.zeros(human.model.nv))
     for name, preference in experiment.preferences.items():
-        for place, task in enumerate(preference.tasks):
+        for index, task in enumerate(preference.tasks):
             try:
                 task.build(human, state, experiment.controller.stiffness_per_s2)
             except DataFileError as error:
-                yield f"preferences.{name}.tasks.{place}.{error}"
+                yield f"preferences.{name}.tasks.{index}.{error}"
 
 
 def _belief_faults(experiment: Experiment) -> Iterator[str]:
     for name, states in experiment.initial_beliefs.items():
-        for place, one in enumerate(states):
+        for index, state in enumerate(states):
             try:
-                fatigue_state(one.fatigue)
+                fatigue_state(state.fatigue)
             except DataFileError as error:
-                yield f"initial_beliefs.{name}.{place}.{error}"
+                yield f"initial_beliefs.{name}.{index}.{error}"
 
 
 def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[str]:
@@ -77,10 +77,10 @@ def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[
                 f"actions.{name}.{side}_hand.waypoints: the last is reached after {last:g} s of work; cycle.work_s is "
                 f"{work:g}"
             )
-    for place, load in enumerate(action.loads):
+    for index, load in enumerate(action.loads):
         if isinstance(load, HandForce) and load.force_n[-1].cycle_time_s > whole:
             yield (
-                f"actions.{name}.loads.{place}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
+                f"actions.{name}.loads.{index}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
                 f"end of the cycle ({whole:g} s)"
             )
 
@@ -99,7 +99,7 @@ def _reach_faults(experiment: Experiment) -> Iterator[str]:
 
 
 def _longest_reach_m(worker: Worker) -> float:
-    """No posture reaches farther from the centre of the feet: the stretched chain from sole to fist."""
+    """The length of the stretched chain from sole to fist: no posture reaches farther from the centre of the feet."""
     body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
     arm = ["right_shoulder", "right_elbow", "right_wrist"]
     links = [

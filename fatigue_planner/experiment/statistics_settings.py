@@ -8,26 +8,34 @@ POWER = 0.8  # of the smallest detectable difference: the usual one (Cohen 1988,
 
 
 class Family(Settings):
-    """Comparisons that are corrected together (Holm): pairs of policies in some conditions and lengths.
+    """Comparisons that are corrected together (Holm): pairs of policies in some conditions and lengths."""
 
-    What is left out means all; without `against` every pair among `policies` is compared.
-    """
-
-    policies: tuple[str, ...] | None = None
-    against: tuple[str, ...] | None = None
-    conditions: tuple[str, ...] | None = None
-    n_cycles: tuple[int, ...] | None = None
+    policies: tuple[str, ...] | None = Field(default=None, description="Policies that are compared; left out, all.")
+    against: tuple[str, ...] | None = Field(
+        default=None, description="Policies they are compared with; left out, every pair among `policies`."
+    )
+    conditions: tuple[str, ...] | None = Field(default=None, description="Conditions; left out, all.")
+    n_cycles: tuple[int, ...] | None = Field(default=None, description="Numbers of cycles; left out, all.")
 
 
 class StatisticsSettings(Settings):
-    """Levels, margins and families, fixed before results are seen.
+    """Levels, margins and families, fixed before results are seen."""
 
-    equivalence_margin: the difference, as a share of the mean cost, below which two policies count as equal. The cost
-        is quadratic in fatigue, so 1 % of it is half a per cent of fatigue, less than could be felt or measured.
-    families: by name; without any, all pairs of policies in all conditions and lengths are one family.
-    """
-
-    significance_level: float = Field(gt=0, lt=1)
-    equivalence_margin: float = Field(default=0.01, gt=0, lt=1)
-    resamples: int = Field(default=9999, ge=99, le=1_000_000)
-    families: dict[Name, Family] = Field(default_factory=dict, max_length=1000)
+    significance_level: float = Field(
+        default=0.05, gt=0, lt=1, description="Level of all tests; the paper's is 0.05 (section IV-E)."
+    )
+    # The cost is quadratic in fatigue, so 1 % of it is half a per cent of fatigue: less than could be felt or measured.
+    equivalence_margin: float = Field(
+        default=0.01,
+        gt=0,
+        lt=1,
+        description="Difference, as a fraction of the mean cost, below which two policies count as equal.",
+    )
+    resamples: int = Field(
+        default=9999, ge=99, le=1_000_000, description="Resamples of every bootstrap interval and permutation test."
+    )
+    families: dict[Name, Family] = Field(
+        default_factory=dict,
+        max_length=1000,
+        description="Families of comparisons by name. Default: all pairs of policies everywhere are one family.",
+    )

@@ -26,9 +26,18 @@ Rate = Annotated[float, Field(gt=0, le=100)]
 class JointFatigue(Settings):
     """What is different at a joint from the rates and threshold of all."""
 
-    fatigue_rate_per_s: Rate | None = None
-    recovery_rate_per_s: Rate | None = None
-    threshold: float | None = Field(default=None, ge=0, lt=1)
+    fatigue_rate_per_s: Rate | None = Field(
+        default=None, description="Fatigue rate k of the joint in 1/s; left out, that of all joints."
+    )
+    recovery_rate_per_s: Rate | None = Field(
+        default=None, description="Recovery rate R of the joint in 1/s; left out, that of all joints."
+    )
+    threshold: float | None = Field(
+        default=None,
+        ge=0,
+        lt=1,
+        description="Torque below which the joint does not tire, as a fraction of its strength; left out, that of all.",
+    )
 
 
 class FatigueSettings(Settings):
@@ -38,10 +47,24 @@ class FatigueSettings(Settings):
     Where two names mean the same entry, the later one holds.
     """
 
-    fatigue_rate_per_s: Rate
-    recovery_rate_per_s: Rate
-    threshold: float = Field(ge=0, lt=1)
-    joints: dict[str, JointFatigue] = Field(default_factory=dict)
+    fatigue_rate_per_s: Rate = Field(
+        default=0.01667, description="Fatigue rate k of Eq. 2 in 1/s; the paper's is 1 per minute (section IV-B)."
+    )
+    recovery_rate_per_s: Rate = Field(
+        default=0.04, description="Recovery rate R of Eq. 2 in 1/s; the paper's is 0.04 (section IV-B)."
+    )
+    threshold: float = Field(
+        default=0.1,
+        ge=0,
+        lt=1,
+        description="Torque below which a joint does not tire, as a fraction of its strength; the paper's is 0.1 "
+        "(section IV-B).",
+    )
+    joints: dict[str, JointFatigue] = Field(
+        default_factory=dict,
+        description="Exceptions: what differs at a joint, by entry (lumbar_flexion:negative), degree of freedom "
+        "(lumbar_flexion), or either without its side.",
+    )
 
 
 @dataclass(frozen=True)

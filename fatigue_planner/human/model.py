@@ -27,21 +27,37 @@ _JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.Joint
 _UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
 
+# The paper's: standing, arms along the body (section III-C). The angles are open; no joint rests on a limit.
+NATURAL_POSTURE_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+
+
 class Worker(Settings):
     """A worker as an experiment describes him or her."""
 
-    height_m: float = Field(ge=1.4, le=2.1)
-    mass_kg: float = Field(ge=40, le=150)
-    sex: Sex
-    strength: str = Field(min_length=1, max_length=MAX_PATH_LENGTH)
-    natural_posture_deg: dict[str, float]
+    height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
+    mass_kg: float = Field(ge=40, le=150, description="Body mass in kg.")
+    sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
+    strength: str = Field(
+        default_factory=lambda worker: "average_woman" if worker.get("sex") == "female" else "average_man",
+        min_length=1,
+        max_length=MAX_PATH_LENGTH,
+        description="Maximum joint torques in N.m: the name of a set that ships with fatplan, or a YAML file. "
+        "Default: the average man's or woman's, by sex.",
+    )
+    natural_posture_deg: dict[str, float] = Field(
+        default=NATURAL_POSTURE_DEG,
+        description="Stance in which every cycle begins and to which all joints are drawn: angles in degrees by degree "
+        "of freedom, the rest 0; a name without right_ or left_ means both sides.",
+    )
 
 
 class Tool(Settings):
     """A hand tool: a point mass at the centre of the right fist."""
 
-    mass_kg: float = Field(ge=0, le=30)
-    held: Literal["cycle", "work"] = "cycle"
+    mass_kg: float = Field(ge=0, le=30, description="Mass of the tool in kg; the paper's is 5 kg (section IV-A).")
+    held: Literal["cycle", "work"] = Field(
+        default="cycle", description="Whether the tool is in the hand during the whole cycle or only during work."
+    )
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from fatigue_planner.motion.settings import Side
 class Position(Settings):
     """A point in the world: x forward, y left, z up from the centre between the soles, in m."""
 
-    x: float = Field(ge=-3, le=3)
-    y: float = Field(ge=-3, le=3)
-    z: float = Field(ge=0, le=3)
+    x: float = Field(ge=-3, le=3, description="Distance in m forward from the centre between the soles.")
+    y: float = Field(ge=-3, le=3, description="Distance in m to the left of the centre between the soles.")
+    z: float = Field(ge=0, le=3, description="Height in m above the ground.")
 
     def vector(self) -> Vector:
         """The point as (3,) m."""
@@ -33,9 +33,9 @@ class Orientation(Settings):
     inward, thumb forward.
     """
 
-    x: float = Field(default=0, ge=-180, le=180)
-    y: float = Field(default=0, ge=-180, le=180)
-    z: float = Field(default=0, ge=-180, le=180)
+    x: float = Field(default=0, ge=-180, le=180, description="First rotation, in degrees about the world's x axis.")
+    y: float = Field(default=0, ge=-180, le=180, description="Second rotation, in degrees about the world's y axis.")
+    z: float = Field(default=0, ge=-180, le=180, description="Third rotation, in degrees about the world's z axis.")
 
     def rotation(self) -> Matrix:
         """The rotation matrix (3, 3)."""
@@ -43,11 +43,16 @@ class Orientation(Settings):
 
 
 class Waypoint(Settings):
-    """A place on a hand's path, `work_time_s` after the beginning of the work phase."""
+    """A point on a hand's path, `work_time_s` after the beginning of the work phase."""
 
-    work_time_s: float = Field(ge=0, le=600)
-    position_m: Position
-    orientation_deg: Orientation | None = None
+    work_time_s: float = Field(
+        ge=0, le=600, description="Time in s since the beginning of the work phase; the first is 0."
+    )
+    position_m: Position = Field(description="Position of the fist's centre in m.")
+    orientation_deg: Orientation | None = Field(
+        default=None,
+        description="Orientation of the hand in degrees; left out at all waypoints, the hand turns freely.",
+    )
 
     def pose(self, otherwise: Pose) -> Pose:
         """The pose; where the orientation is free, that of `otherwise`."""
@@ -61,9 +66,15 @@ class HandGoal(Settings):
     Without `orientation_deg` the hand may turn as it likes.
     """
 
-    position_m: Position | None = None
-    orientation_deg: Orientation | None = None
-    waypoints: tuple[Waypoint, ...] = Field(default=(), max_length=1000)
+    position_m: Position | None = Field(
+        default=None, description="Position in m at which the fist's centre is held during work; or give waypoints."
+    )
+    orientation_deg: Orientation | None = Field(
+        default=None, description="Orientation in degrees in which the hand is held; left out, it turns freely."
+    )
+    waypoints: tuple[Waypoint, ...] = Field(
+        default=(), max_length=1000, description="A path instead of a pose to hold: each waypoint is reached at rest."
+    )
 
     @model_validator(mode="after")
     def _check_path(self) -> Self:
@@ -96,9 +107,13 @@ class HandGoal(Settings):
 class Action(Settings):
     """Where the robot presents the object, or how it moves it, for one hand or both; and the loads it brings."""
 
-    right_hand: HandGoal | None = None
-    left_hand: HandGoal | None = None
-    loads: tuple[Annotated[Load, Field(discriminator="kind")], ...] = Field(default=(), max_length=50)
+    right_hand: HandGoal | None = Field(
+        default=None, description="What the right hand does; left out, it hangs freely."
+    )
+    left_hand: HandGoal | None = Field(default=None, description="What the left hand does; left out, it hangs freely.")
+    loads: tuple[Annotated[Load, Field(discriminator="kind")], ...] = Field(
+        default=(), max_length=50, description="What the hands carry or push against during this action."
+    )
 
     @model_validator(mode="after")
     def _check_hands(self) -> Self:

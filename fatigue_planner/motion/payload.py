@@ -17,19 +17,21 @@ Vector = NDArray[np.float64]
 class CarriedMass(Settings):
     """A point mass in the middle of a fist during some phases."""
 
-    kind: Literal["mass"]
-    hand: Side
-    mass_kg: float = Field(gt=0, le=50)
-    during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
+    kind: Literal["mass"] = Field(description="A mass that the hand carries.")
+    hand: Side = Field(description="The hand that carries the mass.")
+    mass_kg: float = Field(gt=0, le=50, description="Mass in kg, a point at the centre of the fist.")
+    during: tuple[PhaseName, ...] = Field(
+        default=PHASES, min_length=1, description="Phases in which the mass is carried."
+    )
 
 
 class TimedForce(Settings):
     """A force in N on the hand, at a time since the beginning of the cycle."""
 
-    cycle_time_s: float = Field(ge=0, le=1800)
-    x: float = Field(default=0, ge=-1000, le=1000)
-    y: float = Field(default=0, ge=-1000, le=1000)
-    z: float = Field(default=0, ge=-1000, le=1000)
+    cycle_time_s: float = Field(ge=0, le=1800, description="Time in s since the beginning of the cycle.")
+    x: float = Field(default=0, ge=-1000, le=1000, description="Force on the hand in N along the frame's x axis.")
+    y: float = Field(default=0, ge=-1000, le=1000, description="Force on the hand in N along the frame's y axis.")
+    z: float = Field(default=0, ge=-1000, le=1000, description="Force on the hand in N along the frame's z axis.")
 
 
 class HandForce(Settings):
@@ -38,10 +40,16 @@ class HandForce(Settings):
     In the axes of the world (a weight of 40 N is z: -40) or of the hand, which turn with it.
     """
 
-    kind: Literal["force"]
-    hand: Side
-    frame: Literal["world", "hand"]
-    force_n: tuple[TimedForce, ...] = Field(min_length=1, max_length=5000)
+    kind: Literal["force"] = Field(description="A force that acts on the hand.")
+    hand: Side = Field(description="The hand on which the force acts.")
+    frame: Literal["world", "hand"] = Field(
+        description="Axes of the force: the world's (x forward, y left, z up) or the hand's, which turn with it."
+    )
+    force_n: tuple[TimedForce, ...] = Field(
+        min_length=1,
+        max_length=5000,
+        description="Forces in N at increasing times; linear in between, constant before and after.",
+    )
 
     @model_validator(mode="after")
     def _check_times(self) -> Self:

@@ -4,6 +4,7 @@ import time
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -27,7 +28,7 @@ class RandomPolicy(Policy):
 class RandomSettings(PolicySettings):
     """Any action, with equal probability."""
 
-    kind: Literal["random"]
+    kind: Literal["random"] = Field(description="Any action, with equal probability.")
 
     def build(self) -> Policy:
         """See PolicySettings.build."""
@@ -52,7 +53,7 @@ class AlternatingPolicy(Policy):
 class AlternatingSettings(PolicySettings):
     """The actions in turn."""
 
-    kind: Literal["alternating"]
+    kind: Literal["alternating"] = Field(description="The actions in turn.")
 
     def build(self) -> Policy:
         """See PolicySettings.build."""
@@ -79,7 +80,7 @@ class GreedyPolicy(Policy):
 class GreedySettings(PolicySettings):
     """The lowest expected cost after one cycle."""
 
-    kind: Literal["greedy"]
+    kind: Literal["greedy"] = Field(description="The action with the lowest expected cost after one cycle.")
 
     def build(self) -> Policy:
         """See PolicySettings.build."""

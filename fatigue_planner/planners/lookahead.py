@@ -10,7 +10,13 @@ from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, new_levels
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Vector, plain_decision
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
-from fatigue_planner.planners.pomcp.kernels import LeafValueName, bound_arrays_for, lookahead_kernel
+from fatigue_planner.planners.pomcp.kernels import (
+    LEAF_VALUE,
+    ROLLOUT_CYCLES,
+    LeafValueName,
+    bound_arrays_for,
+    lookahead_kernel,
+)
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -20,11 +26,15 @@ ReferenceLeafValue = Literal["none", "greedy_rollout", "bound"]
 class ReferenceSettings(Settings):
     """The lookahead that `--regret` measures decisions against; it knows the prior of a hidden worker."""
 
-    kind: Literal["lookahead"]
-    depth: int = Field(ge=1, le=30)
+    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that may happen.")
+    depth: int = Field(ge=1, le=30, description="How many cycles are looked ahead.")
     # greedy_rollout only where nothing is left to chance: the best of noisy values is too good
-    leaf_value: ReferenceLeafValue = "none"
-    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
+    leaf_value: ReferenceLeafValue = Field(
+        default="none",
+        description="What a path is worth beyond its last cycle: nothing (none), a rollout of greedy actions, only "
+        "where nothing is left to chance (greedy_rollout), or the proven bound of the cost to come (bound).",
+    )
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000, description=ROLLOUT_CYCLES)
 
 
 class LookaheadPolicy(Policy):
@@ -76,10 +86,10 @@ class LookaheadPolicy(Policy):
 class LookaheadSettings(PolicySettings):
     """Full-width expectimax over the belief to a depth in cycles."""
 
-    kind: Literal["lookahead"]
-    depth: int = Field(ge=1, le=30)
-    leaf_value: LeafValueName = "none"
-    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
+    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that may happen.")
+    depth: int = Field(ge=1, le=30, description="How many cycles are looked ahead.")
+    leaf_value: LeafValueName = Field(default="none", description=LEAF_VALUE)
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000, description=ROLLOUT_CYCLES)
 
     def build(self) -> Policy:
         """See PolicySettings.build."""

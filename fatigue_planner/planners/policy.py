@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
@@ -72,7 +73,11 @@ class PolicySettings(Settings):
     """
 
     kind: str
-    knows: Knowledge = "prior"
+    knows: Knowledge = Field(
+        default="prior",
+        description="What the policy knows of a worker with hidden parameters: their distribution (prior), the average "
+        "worker, taken for the true one (average), or the true ones (truth).",
+    )
 
     @abstractmethod
     def build(self) -> Policy:

@@ -20,9 +20,13 @@ MAX_FACTOR = 1000
 class Choice(Settings):
     """One of some values."""
 
-    kind: Literal["choice"]
-    values: tuple[Annotated[float, Field(ge=0, allow_inf_nan=True)], ...] = Field(min_length=1, max_length=1000)
-    probabilities: tuple[Annotated[float, Field(gt=0, le=1)], ...] = Field(min_length=1, max_length=1000)
+    kind: Literal["choice"] = Field(description="One of some values.")
+    values: tuple[Annotated[float, Field(ge=0, allow_inf_nan=True)], ...] = Field(
+        min_length=1, max_length=1000, description="The values, in the unit of what is distributed."
+    )
+    probabilities: tuple[Annotated[float, Field(gt=0, le=1)], ...] = Field(
+        min_length=1, max_length=1000, description="The probability of each value; their sum is 1."
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -47,9 +51,9 @@ class Choice(Settings):
 class LogNormal(Settings):
     """A positive value whose logarithm is normal with standard deviation `sigma`."""
 
-    kind: Literal["lognormal"]
-    median: float = Field(gt=0, le=1e9)
-    sigma: float = Field(gt=0, le=10)
+    kind: Literal["lognormal"] = Field(description="A positive value whose logarithm is normally distributed.")
+    median: float = Field(gt=0, le=1e9, description="The median, in the unit of what is distributed.")
+    sigma: float = Field(gt=0, le=10, description="Standard deviation of the natural logarithm, without unit.")
 
     def quantile(self, uniform: Vector) -> Vector:
         """The values at these shares of the distribution."""
@@ -65,9 +69,9 @@ class LogNormal(Settings):
 class Uniform(Settings):
     """Any value between two."""
 
-    kind: Literal["uniform"]
-    first: float = Field(alias="from", ge=0, le=1e9)
-    last: float = Field(alias="to", ge=0, le=1e9)
+    kind: Literal["uniform"] = Field(description="Any value between two, all equally likely.")
+    first: float = Field(alias="from", ge=0, le=1e9, description="Lower end, in the unit of what is distributed.")
+    last: float = Field(alias="to", ge=0, le=1e9, description="Upper end, in the unit of what is distributed.")
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -100,15 +104,18 @@ KNOWN_FACTOR = Choice(kind="choice", values=(1.0,), probabilities=(1.0,))
 
 
 class HiddenWorker(Settings):
-    """Independent distributions of what is hidden; what is left out is known.
+    """Independent distributions of what is hidden; what is left out is known."""
 
-    fatigue_rate_factor, recovery_rate_factor: multiply all rates k and R of the experiment.
-    expertise: beta of Eq. 4; where it is left out, the condition gives it.
-    """
-
-    fatigue_rate_factor: Factor = KNOWN_FACTOR
-    recovery_rate_factor: Factor = KNOWN_FACTOR
-    expertise: Distribution | None = None
+    fatigue_rate_factor: Factor = Field(
+        default=KNOWN_FACTOR, description="Distribution of a factor of all fatigue rates k, without unit."
+    )
+    recovery_rate_factor: Factor = Field(
+        default=KNOWN_FACTOR, description="Distribution of a factor of all recovery rates R, without unit."
+    )
+    expertise: Distribution | None = Field(
+        default=None,
+        description="Distribution of beta of Eq. 4, in 1 / cost; left out, it is known and the condition gives it.",
+    )
 
     def distributions(self, expertise: float | None) -> tuple[Distribution, Distribution, Distribution]:
         """The distributions in the order of Workers; a known expertise is a choice of one."""

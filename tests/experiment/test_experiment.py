@@ -7,7 +7,7 @@ import yaml
 from conftest import PAPER
 
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.loader import load_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 
 
@@ -64,7 +64,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("ankle_flexion: 2.5", "ankle_flexion: -10", "natural_posture_deg: the body leans, its centre of mass stands "),
         ("knee_flexion: 5 ", "right_knee_flexion: 40 ", "natural_posture_deg: the right sole does not lie flat"),
         ("reach_s: 5", "reach_s: 1e9", "cycle.reach_s = 1000000000.0: input should be less than or equal to 600."),
-        ("n_cycles: [5, 20, 100]", "n_cycles: [5, 5]", "benchmark.n_cycles: 5 stands twice."),
+        ("n_cycles: [5, 20, 100]", "n_cycles: [5, 5]", "benchmark.n_cycles: 5 is given twice."),
         ("figure5b: [mul", "trials: [mul", "figures.trials: begins like another file's name; taken are trials, "),
         ("held: cycle", "held: never", "tool.held = 'never': input should be 'cycle' or 'work'."),
         ("reach_s: 5", "reach_s: 0", "cycle.reach_s = 0: input should be greater than or equal to 0.1."),
@@ -94,8 +94,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("trials: 100", "trials: yes", "benchmark.trials = True: input should be a valid integer."),
         ("figure5b: [multiple_novice]", "figure5b: [none]", "figures.figure5b: none; known conditions: single_nov"),
         ("name: paper", "name: ../paper", "name = '../paper': should begin with a letter"),
-        ("name: paper", "name: paper\nname: paper", "line 6, column 1: key 'name' stands twice."),
-        ("name: paper", "name: &n paper\nother: *n", "line 6, column 8: aliases (*name) are not allowed."),
+        ("name: paper", "name: paper\nname: paper", "line 6, column 1: key 'name' is given twice."),
         ("name: paper", "name: !!python/object:os.system {}", "line 5, column 7: tags (here "),
         ("name: paper", "name: [", "line "),
         ("mass_kg: 75 ", "mass_kg: 0x4B ", "workers.average_man.mass_kg = '0x4B': input should be a valid number."),
@@ -140,3 +139,28 @@ def test_numbers_with_exponents_are_numbers(tmp_path: Path) -> None:
     )
     assert load_experiment(path).discount == 0.95 and load_experiment(path).workers["average_man"].mass_kg == 75
     assert yaml.safe_load("95e-2") == "95e-2"  # why the reader has its own rule
+
+
+def test_aliases_and_merge_keys_are_written_out(tmp_path: Path, paper: Experiment) -> None:
+    """A key of its own goes before a merged one; what two keys share is not the same object."""
+    path = tmp_path / "mine.yaml"
+    text = (
+        PAPER.read_text().replace("_deg: {y: -90} #", "_deg: &fist {y: -90} #").replace("_deg: {y: -90}", "_deg: *fist")
+    )
+    path.write_text(text)
+    assert "*fist" in text and load_experiment(path) == paper
+    other = "  anna: {<<: *man, height_m: 1.65}\n"
+    path.write_text(text.replace("average_man:\n", "average_man: &man\n").replace("\ntool:", f"{other}\ntool:"))
+    workers = read_content(path)["workers"]
+    man, anna = workers["average_man"], workers["anna"]
+    assert anna == man | {"height_m": 1.65} and anna["natural_posture_deg"] is not man["natural_posture_deg"]
+
+
+def test_a_decimal_comma_in_a_strength_file_is_named(tmp_path: Path) -> None:
+    strengths = tmp_path / "anna.yaml"
+    strengths.write_text(
+        "population: Anna\nbased_on: average_woman\ndegrees_of_freedom:\n  elbow_flexion:\n    positive: 44,5\n"
+        "    source: measured\n"
+    )
+    message = fault(tmp_path, "strength: average_man", f"strength: {strengths}")
+    assert "elbow_flexion.positive = '44,5': " in message and "write 44.5, with a decimal point" in message

@@ -10,8 +10,7 @@ from conftest import PAPER, ROOT
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.editor_schema import editor_schema
-from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.loader import editor_schema, load_experiment
 from fatigue_planner.experiment.schema import Experiment
 
 

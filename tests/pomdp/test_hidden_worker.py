@@ -444,8 +444,8 @@ def test_mistakes_are_named(tmp_path: Path, old: str, new: str, expected: str) -
 @pytest.mark.parametrize(
     ("values", "expected"),
     [
-        (K_TEXT, "there are infinitely many; use particles."),
-        ("{kind: choice, values: [%s], probabilities: [%s]}", "there are 1200; use particles."),
+        (K_TEXT, "infinitely many; use particles."),
+        ("{kind: choice, values: [%s], probabilities: [%s]}", "1200; use particles."),
     ],
 )
 def test_exact_belief_where_it_cannot_be(tmp_path: Path, values: str, expected: str) -> None:
@@ -457,7 +457,7 @@ def test_exact_belief_where_it_cannot_be(tmp_path: Path, values: str, expected: 
     path.write_text(text)
     with pytest.raises(ExperimentError) as caught:
         load_experiment(path)
-    assert "belief.kind: exact can hold 1000 workers, in hidden_workers.someone " + expected in str(caught.value)
+    assert "belief.kind: exact can hold 1000 workers, hidden_workers.someone has " + expected in str(caught.value)
 
 
 # --- runs ----------------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
@@ -46,8 +47,8 @@ def _write_rows(
 class CentreOfMass(PreferenceTask):
     """Settings of a CentreOfMassTask beside the one every motion has."""
 
-    kind: Literal["centre_of_mass"]
-    position_m: Coordinates
+    kind: Literal["centre_of_mass"] = Field(description="Hold the centre of mass at a position.")
+    position_m: Coordinates = Field(description="Position of the body's centre of mass in m.")
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""

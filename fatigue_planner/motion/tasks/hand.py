@@ -4,7 +4,7 @@ from typing import Literal, Self
 
 import numpy as np
 import pinocchio as pin
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
@@ -56,10 +56,12 @@ def _desired(
 class Hand(PreferenceTask):
     """Settings of a HandTask with a fixed reference; what is not given is free."""
 
-    kind: Literal["hand"]
-    hand: Side
-    position_m: Position | None = None
-    orientation_deg: Orientation | None = None
+    kind: Literal["hand"] = Field(description="Hold a hand at a position, in an orientation, or both.")
+    hand: Side = Field(description="The hand that is held.")
+    position_m: Position | None = Field(default=None, description="Position of the fist's centre in m; left out, free.")
+    orientation_deg: Orientation | None = Field(
+        default=None, description="Orientation of the hand in degrees; left out, free."
+    )
 
     @model_validator(mode="after")
     def _check_some(self) -> Self:

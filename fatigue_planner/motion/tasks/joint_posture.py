@@ -42,8 +42,10 @@ class JointPostureTask(Task):
 class JointPosture(PreferenceTask):
     """Settings of JointPostureTask: degrees by degree of freedom; a name without side means both sides."""
 
-    kind: Literal["joint_posture"]
-    angles_deg: dict[str, float] = Field(min_length=1)
+    kind: Literal["joint_posture"] = Field(description="Draw joints to angles.")
+    angles_deg: dict[str, float] = Field(
+        min_length=1, description="Angles in degrees by degree of freedom; a name without right_ or left_ means both."
+    )
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""

@@ -27,4 +27,6 @@ AnyTask = Annotated[PreferenceTask, TASKS]
 class Preference(Settings):
     """A motion preference: tasks added to those every motion has."""
 
-    tasks: tuple[AnyTask, ...] = Field(max_length=50)
+    tasks: tuple[AnyTask, ...] = Field(
+        max_length=50, description="Tasks added to those every motion has: balance, hands and natural posture."
+    )

@@ -3,6 +3,7 @@
 from typing import Literal
 
 import pinocchio as pin
+from pydantic import Field
 
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.action import Orientation
@@ -29,9 +30,9 @@ class SegmentOrientationTask(Task):
 class SegmentOrientation(PreferenceTask):
     """Settings of SegmentOrientationTask."""
 
-    kind: Literal["segment_orientation"]
-    segment: Segment
-    orientation_deg: Orientation
+    kind: Literal["segment_orientation"] = Field(description="Keep a segment in an orientation.")
+    segment: Segment = Field(description="The body segment.")
+    orientation_deg: Orientation = Field(description="Orientation in degrees; all 0 is that of the standing worker.")
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""

@@ -2,6 +2,8 @@
 
 from typing import Literal
 
+from pydantic import Field
+
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Segment, Stiffnesses
@@ -28,9 +30,9 @@ class SegmentPositionTask(Task):
 class SegmentPosition(PreferenceTask):
     """Settings of SegmentPositionTask."""
 
-    kind: Literal["segment_position"]
-    segment: Segment
-    position_m: Coordinates
+    kind: Literal["segment_position"] = Field(description="Keep a segment's upper joint at a position.")
+    segment: Segment = Field(description="The body segment; the pelvis is held at the middle of the hips.")
+    position_m: Coordinates = Field(description="Position of the segment's upper joint in m.")
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""

@@ -3,6 +3,7 @@
 from typing import Literal
 
 import numpy as np
+from pydantic import Field
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.model import Human
@@ -48,8 +49,8 @@ def _write_rows(
 class SegmentUpright(PreferenceTask):
     """Settings of SegmentUprightTask."""
 
-    kind: Literal["segment_upright"]
-    segment: Segment
+    kind: Literal["segment_upright"] = Field(description="Keep a segment's long axis vertical.")
+    segment: Segment = Field(description="The body segment; it may turn about its long axis.")
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""

@@ -49,8 +49,10 @@ class PreferenceTask(Settings):
     """
 
     kind: str
-    weight: Positive
-    during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1)
+    weight: Positive = Field(
+        description="Weight of the task, without unit; the hands' own is controller.weights.hand, 10 in the paper."
+    )
+    during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1, description="Phases in which the task acts.")
 
     @abstractmethod
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
@@ -66,9 +68,19 @@ TASKS = Registry("motion task", PreferenceTask)  # type: ignore[type-abstract]
 class Coordinates(Settings):
     """World coordinates in m (x forward, y left, z up, from the centre between the soles); those left out are free."""
 
-    x: float | None = Field(default=None, ge=-3, le=3)
-    y: float | None = Field(default=None, ge=-3, le=3)
-    z: float | None = Field(default=None, ge=0, le=3)
+    x: float | None = Field(
+        default=None,
+        ge=-3,
+        le=3,
+        description="Distance in m forward from the centre between the soles; left out, free.",
+    )
+    y: float | None = Field(
+        default=None,
+        ge=-3,
+        le=3,
+        description="Distance in m to the left of the centre between the soles; left out, free.",
+    )
+    z: float | None = Field(default=None, ge=0, le=3, description="Height in m above the ground; left out, free.")
 
     @model_validator(mode="after")
     def _check_some(self) -> Self:

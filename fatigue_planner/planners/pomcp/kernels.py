@@ -26,6 +26,13 @@ BackupName = Literal["mean", "max", "exact"]
 ExplorationName = Literal["fixed", "scaled"]
 LeafValueName = Literal["none", "random_rollout", "greedy_rollout", "bound"]
 
+# What a file's settings say of leaf values and rollouts.
+LEAF_VALUE = (
+    "What a path is worth beyond its last cycle: nothing (none), a rollout of random or greedy actions, or the proven "
+    "bound of the cost to come (bound)."
+)
+ROLLOUT_CYCLES = "Length of a rollout in cycles."
+
 Parts = dict[str, Any]
 
 

@@ -11,6 +11,8 @@ from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters, Works
 from fatigue_planner.planners.pomcp.kernels import (
     BACKUPS,
     EXPLORATIONS,
+    LEAF_VALUE,
+    ROLLOUT_CYCLES,
     BackupName,
     ExplorationName,
     LeafValueName,
@@ -150,15 +152,34 @@ def _alike(one: Pomdp, other: Pomdp) -> bool:
 class PomcpSettings(PolicySettings):
     """Monte-Carlo tree search: backup `mean` is POMCP, `max` POMCP-Max; it ends after `descents` or `seconds`."""
 
-    kind: Literal["pomcp"]
-    backup: BackupName
-    exploration_constant: float = Field(ge=0, le=1e9)
-    exploration: ExplorationName = "fixed"
-    leaf_value: LeafValueName = "none"
-    rollout_cycles: int = Field(default=20, ge=1, le=10_000)
-    descents: int | None = Field(default=None, ge=1, le=1_000_000)
-    seconds: float | None = Field(default=None, gt=0, le=3600)
-    reuse_tree: bool = False
+    kind: Literal["pomcp"] = Field(description="Monte-Carlo tree search over beliefs.")
+    backup: BackupName = Field(
+        description="How an action's value follows from its descents: their mean (POMCP), the best action below (max: "
+        "POMCP-Max), or exact expectations."
+    )
+    exploration_constant: float = Field(
+        ge=0,
+        le=1e9,
+        description="Constant c of UCB1; the unit is that of the return, or none if exploration is scaled.",
+    )
+    exploration: ExplorationName = Field(
+        default="fixed",
+        description="Whether c is taken as it is (fixed) or times the spread of the returns met so far (scaled).",
+    )
+    leaf_value: LeafValueName = Field(default="none", description=LEAF_VALUE)
+    rollout_cycles: int = Field(default=20, ge=1, le=10_000, description=ROLLOUT_CYCLES)
+    descents: int | None = Field(
+        default=None,
+        ge=1,
+        le=1_000_000,
+        description="Budget of a decision: descents of the tree, at least one per action. Give this or seconds.",
+    )
+    seconds: float | None = Field(
+        default=None, gt=0, le=3600, description="Budget of a decision: planning time in s. Give this or descents."
+    )
+    reuse_tree: bool = Field(
+        default=False, description="Whether the next decision goes on with the part of the tree that came true."
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:

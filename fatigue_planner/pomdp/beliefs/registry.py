@@ -48,7 +48,7 @@ class BeliefSettings(Settings):
 class ExactSettings(BeliefSettings):
     """The exact weighted set."""
 
-    kind: Literal["exact"]
+    kind: Literal["exact"] = Field(description="The exact weighted set of states.")
 
     def build(
         self,
@@ -70,8 +70,8 @@ class ExactSettings(BeliefSettings):
 class ParticleSettings(BeliefSettings):
     """A particle filter."""
 
-    kind: Literal["particles"]
-    count: int = Field(ge=1, le=1_000_000)
+    kind: Literal["particles"] = Field(description="A particle filter.")
+    count: int = Field(ge=1, le=1_000_000, description="Number of particles.")
 
     def build(
         self,

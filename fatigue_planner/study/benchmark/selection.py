@@ -9,7 +9,7 @@ import numpy as np
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.experiment.build import scenario
-from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.schema import Experiment, too_few_descents
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceSettings
 from fatigue_planner.planners.policy import PolicySettings
@@ -69,7 +69,7 @@ def choose(what: str, available: Sequence[T], wanted: Sequence[T] | None) -> lis
 def selected(experiment: Experiment, wanted: Selection) -> Experiment:
     """The experiment with the grid that is asked for, and the figures of its conditions.
 
-    Raises SelectionError for unknown names.
+    Raises SelectionError for unknown names, and for fewer descents than actions.
     """
     grid = experiment.benchmark
     changes: dict[str, Any] = {
@@ -78,7 +78,7 @@ def selected(experiment: Experiment, wanted: Selection) -> Experiment:
             name: grid.conditions[name] for name in choose("conditions", list(grid.conditions), wanted.conditions)
         },
         "policies": {
-            name: _with_descents(grid.policies[name], wanted.descents)
+            name: _with_descents(grid.policies[name], wanted.descents, len(experiment.actions))
             for name in choose("policies", list(grid.policies), wanted.policies)
         },
         "trials": wanted.trials or grid.trials,
@@ -92,9 +92,11 @@ def selected(experiment: Experiment, wanted: Selection) -> Experiment:
     return experiment.model_copy(update={"benchmark": grid.model_copy(update=changes), "figures": figures})
 
 
-def _with_descents(policy: PolicySettings, descents: int | None) -> PolicySettings:
+def _with_descents(policy: PolicySettings, descents: int | None, n_actions: int) -> PolicySettings:
     if descents is None or not isinstance(policy, PomcpSettings):
         return policy
+    if descents < n_actions:
+        raise SelectionError(f"--descents {descents}: {too_few_descents(n_actions)}.")
     return policy.model_copy(update={"descents": descents, "seconds": None})
 
 

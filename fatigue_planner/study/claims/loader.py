@@ -8,9 +8,10 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
 from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.experiment.benchmark_settings import Benchmark
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.experiment.schema import Benchmark, Experiment
+from fatigue_planner.experiment.loader import find_shipped, load_experiment
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Claim, ClaimsFile
 
@@ -39,6 +40,7 @@ def load_claims(path: Path) -> Claims:
 
     Raises ClaimsError: file, key, value, what is allowed; and as `load_experiment`.
     """
+    path = find_shipped(path)
     content = read_yaml(path, ClaimsError)
     if not isinstance(content, dict):
         raise ClaimsError(f"{path}: is not a mapping; see experiments/paper_claims.yaml for an example.")

@@ -10,21 +10,22 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class Claim(Settings):
-    """One statement of a paper and how it is read.
+    """One statement of a paper and how it is read."""
 
-    place and quote: where it stands and its words; interpretation: the reading that was needed, if any
-    relation: what is said of `policies` and, where it takes two groups, `others` (`relations.RELATIONS`)
-    conditions, n_cycles: it is said of every one of these conditions with every one of these lengths
-    """
-
-    place: Text
-    quote: Text
-    interpretation: str = ""
-    conditions: tuple[Name, ...] = Field(min_length=1)
-    n_cycles: tuple[int, ...] = Field(min_length=1)
-    relation: str
-    policies: tuple[Name, ...] = Field(min_length=1)
-    others: tuple[Name, ...] = ()
+    place: Text = Field(description="Where the statement is in the paper, e.g. its section.")
+    quote: Text = Field(description="The statement, word for word.")
+    interpretation: str = Field(default="", description="How it is read where its words leave that open.")
+    conditions: tuple[Name, ...] = Field(
+        min_length=1, description="The conditions it is about; it must hold in each of them."
+    )
+    n_cycles: tuple[int, ...] = Field(
+        min_length=1, description="The numbers of cycles it is about; it must hold with each of them."
+    )
+    relation: str = Field(description="What is said of the policies: the name of a relation in docs/claims.md.")
+    policies: tuple[Name, ...] = Field(min_length=1, description="The policies of which something is said.")
+    others: tuple[Name, ...] = Field(
+        default=(), description="The policies they are compared with, where the relation takes two groups."
+    )
 
     def cells(self) -> list[tuple[str, int]]:
         """The conditions and lengths it is about."""
@@ -32,7 +33,7 @@ class Claim(Settings):
 
 
 class ClaimsFile(Settings):
-    """The claims of a paper by name; `experiment`: the experiment's file, from the folder of this one."""
+    """The claims of a paper by name."""
 
-    experiment: Text = Field(max_length=1000)
-    claims: dict[Name, Claim] = Field(min_length=1)
+    experiment: Text = Field(max_length=1000, description="The experiment's file, relative to the folder of this file.")
+    claims: dict[Name, Claim] = Field(min_length=1, description="The claims by name.")

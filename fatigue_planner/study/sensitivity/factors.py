@@ -35,10 +35,10 @@ def listed_values(values: BaseValues) -> str:
 
 
 class FactorSettings(Settings):
-    """A factor as it stands in a study; `reason`: why these levels, for the page of results."""
+    """A factor as it stands in a study."""
 
     kind: str
-    reason: str = Field(min_length=1)
+    reason: str = Field(min_length=1, description="Why these levels, for the page of results.")
 
     @abstractmethod
     def changed_keys(self) -> tuple[str, ...]:
@@ -68,8 +68,13 @@ class FactorSettings(Settings):
 class ChoiceSettings(FactorSettings):
     """Levels by name; all give values to the same keys, and one of them gives the experiment's own."""
 
-    kind: Literal["choice"]
-    levels: dict[str, dict[str, Any]] = Field(min_length=2, max_length=20)
+    kind: Literal["choice"] = Field(description="Named levels, each with values of its own.")
+    levels: dict[str, dict[str, Any]] = Field(
+        min_length=2,
+        max_length=20,
+        description="Levels by name: the same dotted keys of the experiment in each, with their values. One level is "
+        "the experiment's own.",
+    )
 
     @model_validator(mode="after")
     def _check_keys(self) -> Self:
@@ -123,10 +128,18 @@ LARGEST, SMALLEST = 1e12, 1e-12
 class SpanSettings(FactorSettings):
     """What factors whose levels are numbers have in common."""
 
-    keys: tuple[str, ...] = Field(min_length=1, max_length=1000)
-    first: float = Field(alias="from", ge=-LARGEST, le=LARGEST)
-    last: float = Field(alias="to", ge=-LARGEST, le=LARGEST)
-    scale: Literal["linear", "log"] = "linear"
+    keys: tuple[str, ...] = Field(
+        min_length=1, max_length=1000, description="Dotted keys of the experiment's settings that the factor changes."
+    )
+    first: float = Field(
+        alias="from", ge=-LARGEST, le=LARGEST, description="Lowest level, in the keys' unit; of a scale, without unit."
+    )
+    last: float = Field(
+        alias="to", ge=-LARGEST, le=LARGEST, description="Highest level, in the keys' unit; of a scale, without unit."
+    )
+    scale: Literal["linear", "log"] = Field(
+        default="linear", description="Whether levels are evenly spaced themselves or in their logarithm."
+    )
 
     @model_validator(mode="after")
     def _check_span(self) -> Self:
@@ -165,8 +178,8 @@ class SpanSettings(FactorSettings):
 class RangeSettings(SpanSettings):
     """Every key gets the same value between `from` and `to`."""
 
-    kind: Literal["range"]
-    integer: bool = False
+    kind: Literal["range"] = Field(description="The same value for all keys.")
+    integer: bool = Field(default=False, description="Whether levels are rounded to whole numbers.")
 
     def base_level(self, base: BaseValues) -> Level:
         """The one value that all keys have."""
@@ -195,7 +208,7 @@ class RangeSettings(SpanSettings):
 class ScaleSettings(SpanSettings):
     """Every key's own value times the same number between `from` and `to`."""
 
-    kind: Literal["scale"]
+    kind: Literal["scale"] = Field(description="A factor by which the keys' own values are multiplied.")
 
     def base_level(self, base: BaseValues) -> Level:
         """1: the values as they are."""

@@ -15,27 +15,36 @@ MAX_FACTORS = 50
 class Grid(Settings):
     """The runs at every point; what is left out is as in the base experiment."""
 
-    conditions: tuple[Name, ...] | None = Field(default=None, min_length=1)
-    n_cycles: tuple[int, ...] | None = Field(default=None, min_length=1)
-    policies: tuple[Name, ...] | None = Field(default=None, min_length=1)
-    # Policies that the base experiment does not have.
-    further_policies: dict[Name, AnyPolicy] = Field(default_factory=dict)
-    trials: int | None = Field(default=None, ge=1, le=1_000_000)
+    conditions: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Conditions of the base experiment; left out, all."
+    )
+    n_cycles: tuple[int, ...] | None = Field(
+        default=None, min_length=1, description="Numbers of cycles; left out, those of the base experiment."
+    )
+    policies: tuple[Name, ...] | None = Field(
+        default=None, min_length=1, description="Policies of the base experiment; left out, all."
+    )
+    further_policies: dict[Name, AnyPolicy] = Field(
+        default_factory=dict, description="Policies by name that the base experiment does not have."
+    )
+    trials: int | None = Field(
+        default=None, ge=1, le=1_000_000, description="Trials per cell; left out, as many as in the base experiment."
+    )
 
 
 class Headline(Settings):
     """The comparison that sentences and figures speak of; the tables hold all."""
 
-    planner: Name
-    condition: Name
-    n_cycles: int
+    planner: Name = Field(description="One of the planners.")
+    condition: Name = Field(description="One of the grid's conditions.")
+    n_cycles: int = Field(description="One of the grid's numbers of cycles.")
 
 
 class SpaceFilling(Settings):
     """All factors at once: a scrambled Sobol sequence, which is even only in powers of two."""
 
-    points: int = Field(ge=2, le=65_536)
-    seed: Seed
+    points: int = Field(ge=2, le=65_536, description="Number of points, a power of two.")
+    seed: Seed = Field(description="Seed of the scrambling.")
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
@@ -45,18 +54,24 @@ class SpaceFilling(Settings):
 
 
 class StudySettings(Settings):
-    """How the comparison of planners with baselines depends on choices that could have been made otherwise.
+    """How the comparison of planners with baselines depends on choices that could have been made otherwise."""
 
-    base: the experiment file, claims: a file of claims about it, relative to the study's; planners are compared with
-    baselines.
-    """
-
-    name: Name
-    base: str = Field(min_length=1, max_length=1000)
-    grid: Grid
-    planners: tuple[Name, ...] = Field(min_length=1)
-    baselines: tuple[Name, ...] = Field(min_length=1)
-    headline: Headline
-    space_filling: SpaceFilling
-    claims: str | None = Field(default=None, min_length=1, max_length=1000)
-    factors: dict[Name, AnyFactor] = Field(min_length=1, max_length=MAX_FACTORS)
+    name: Name = Field(description="Name of the study; results go to a folder of this name.")
+    base: str = Field(
+        min_length=1, max_length=1000, description="The base experiment's file, relative to the folder of this file."
+    )
+    grid: Grid = Field(description="Which of the base experiment's runs are made at every point.")
+    planners: tuple[Name, ...] = Field(min_length=1, description="Policies that are compared with the baselines.")
+    baselines: tuple[Name, ...] = Field(min_length=1, description="Policies that the planners are compared with.")
+    headline: Headline = Field(description="The comparison that sentences and figures are about.")
+    space_filling: SpaceFilling = Field(description="Points at which all factors change at once (Sobol's sequence).")
+    claims: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=1000,
+        description="A file of claims about the base experiment that are judged at every point, relative to the folder "
+        "of this file.",
+    )
+    factors: dict[Name, AnyFactor] = Field(
+        min_length=1, max_length=MAX_FACTORS, description="What could have been chosen otherwise, by name."
+    )

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message
-from fatigue_planner.experiment.loader import parse_experiment, read_content
+from fatigue_planner.experiment.loader import complete_content, find_shipped, parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
 from fatigue_planner.study.sensitivity.factors import Level
@@ -59,10 +59,12 @@ def load_study(path: Path) -> Study:
     Raises ExperimentError naming file, factor, key, value and what is allowed; a level outside of what the
     experiment's schema allows is found here, before anything is run.
     """
+    path = find_shipped(path)
     settings = _read_settings(path)
     base_file = path.parent / settings.base
     try:
-        content = _with_grid(read_content(base_file), settings)
+        base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
+        content = _with_grid(base_content, settings)
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
     base = parse_experiment(content, f"{path}: the grid on {base_file}")
@@ -119,20 +121,17 @@ def _read_settings(path: Path) -> StudySettings:
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
     """The base experiment's content with the study's name and grid, without what speaks of the old grid."""
     grid = settings.grid
-    if content.get("name") == settings.name:
+    if content["name"] == settings.name:
         raise ExperimentError(f"name = {settings.name!r}: is the base experiment's, whose results it would mix with.")
-    benchmark = content.get("benchmark")
-    statistics = content.get("statistics")
-    if not isinstance(benchmark, dict) or not isinstance(statistics, dict):
-        return dict(content)  # parsing it will say what is wrong
+    benchmark = content["benchmark"]
     changes: dict[str, Any] = {}
     for key in ("conditions", "policies"):
-        named, there = getattr(grid, key), benchmark.get(key)
-        if named is not None and isinstance(there, dict):
-            _check_known(f"grid.{key}", named, there)
-            changes[key] = {name: there[name] for name in there if name in named}
-    policies = changes.get("policies", benchmark.get("policies"))
-    if grid.further_policies and isinstance(policies, dict):
+        named, known = getattr(grid, key), benchmark[key]
+        if named is not None:
+            _check_known(f"grid.{key}", named, known)
+            changes[key] = {name: known[name] for name in known if name in named}
+    policies = changes.get("policies", benchmark["policies"])
+    if grid.further_policies:
         further = {name: policy.model_dump() for name, policy in grid.further_policies.items()}
         if taken := [name for name in further if name in benchmark["policies"]]:
             raise ExperimentError(f"grid.further_policies.{taken[0]}: the base experiment has a policy of this name.")
@@ -142,7 +141,7 @@ def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str,
         **content,
         "name": settings.name,
         "benchmark": {**benchmark, **changes},
-        "statistics": {key: value for key, value in statistics.items() if key != "families"},
+        "statistics": {key: value for key, value in content["statistics"].items() if key != "families"},
         "figures": {},
     }
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import versions
+from fatigue_planner.experiment.loader import find_shipped
 from fatigue_planner.output.reports.html.blocks import Points, Section, counted
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
@@ -32,6 +33,7 @@ def report(
     Claims are judged where a file of claims lies beside the experiment's, `<its name>_claims.yaml`; `study` is a
     sensitivity study of the experiment.
     """
+    file = find_shipped(file)
     found, claims = findings(report_data), None
     claims_file = file.with_name(f"{file.stem}_claims.yaml")
     if claims_file.exists():
