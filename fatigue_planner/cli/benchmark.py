@@ -20,6 +20,7 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     Json,
+    Plugins,
     Policies,
     ResultsFolder,
     Seed,
@@ -68,6 +69,7 @@ def benchmark(
     dask: Dask = None,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Run every policy of an EXPERIMENT in every condition and compare their returns.

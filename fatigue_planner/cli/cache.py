@@ -16,6 +16,7 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     Json,
+    Plugins,
     command_line,
     present,
 )
@@ -123,7 +124,10 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: 
 
 @app.command(epilog=EXIT_CODES)
 def why(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False
+    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    cache: CacheFolder = DEFAULT_CACHE,
+    plugins: Plugins = None,
+    as_json: Json = False,
 ) -> None:
     """Say which reactions of an EXPERIMENT are not in the cache, and what has changed since they were.
 
@@ -191,7 +195,11 @@ def gc(
 
 @app.command(epilog=EXIT_CODES)
 def export(
-    experiment: ExperimentFile, bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False
+    experiment: ExperimentFile,
+    bundle: BundleFile,
+    cache: CacheFolder = DEFAULT_CACHE,
+    plugins: Plugins = None,
+    as_json: Json = False,
 ) -> None:
     """Put the reactions of an EXPERIMENT into one file, for another machine with the same versions."""
     from fatigue_planner.experiment.build import reaction_requests

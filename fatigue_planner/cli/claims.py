@@ -14,6 +14,7 @@ from fatigue_planner.cli.options import (
     Cycles,
     Descents,
     Json,
+    Plugins,
     Policies,
     ResultsFolder,
     Seed,
@@ -39,6 +40,7 @@ def claims(
     descents: Descents = None,
     seed: Seed = None,
     results: ResultsFolder = DEFAULT_RESULTS,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Judge every claim in a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reasons.

@@ -13,6 +13,7 @@ from fatigue_planner.cli.options import (
     CacheFolder,
     ExperimentFile,
     Json,
+    Plugins,
     command_line,
     present,
 )
@@ -58,6 +59,7 @@ def export(
     ] = None,
     worker: OneWorker = None,
     tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free."""
@@ -87,6 +89,7 @@ def report(
     ] = None,
     worker: OneWorker = None,
     cache: CacheFolder = DEFAULT_CACHE,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""

@@ -2,6 +2,7 @@
 
 import json
 import shlex
+import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
     from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.study.benchmark.selection import Selection
 
-ExperimentFile = Annotated[Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML).")]
+ExperimentFile = Annotated[
+    Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML), or the name of one that ships.")
+]
 CacheFolder = Annotated[Path, typer.Option("--cache", help="Folder of the simulated reactions.")]
 ResultsFolder = Annotated[Path, typer.Option("--results", help="Folder of the results.")]
 Jobs = Annotated[int, typer.Option("--jobs", min=1, help="Number of processes; results do not depend on it.")]
@@ -26,6 +29,28 @@ Dask = Annotated[
         "--dask",
         metavar="ADDRESS",
         help="Work on the Dask cluster whose scheduler is at tcp://HOST:PORT or tls://HOST:PORT, instead of --jobs.",
+    ),
+]
+
+
+def _load_plugins(files: list[Path] | None) -> list[Path] | None:
+    if files:
+        from fatigue_planner.core.plugins import load_plugin
+
+        for file in files:
+            load_plugin(file)
+    return files
+
+
+# Loaded while the options are read; the commands have nothing to do with them.
+Plugins = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--plugin",
+        metavar="FILE",
+        callback=_load_plugins,
+        help="Run this Python file first: it adds kinds of policies, beliefs, motion tasks or report sections "
+        "(repeatable).",
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
@@ -58,6 +83,8 @@ def command_line(
 ) -> str:
     """The command a message tells to run, with the restrictions and the folders the user named."""
     words = ["fatplan", command, str(experiment)]
+    if plugins := sys.modules.get("fatigue_planner.core.plugins"):
+        words += [word for _, _, path in plugins.loaded_files() for word in ("--plugin", path)]
     for name, values in selection.asked().items() if selection else ():
         words += [word for value in values for word in (f"--{name}", value)]
     if cache != DEFAULT_CACHE:

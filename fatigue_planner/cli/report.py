@@ -16,6 +16,7 @@ from fatigue_planner.cli.options import (
     Cycles,
     Descents,
     Json,
+    Plugins,
     Policies,
     ResultsFolder,
     Seed,
@@ -47,6 +48,7 @@ def report(
     ] = False,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Write one page (HTML) with all results of an EXPERIMENT, its figures and tables; it opens offline and prints.

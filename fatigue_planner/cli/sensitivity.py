@@ -14,6 +14,7 @@ from fatigue_planner.cli.options import (
     Dask,
     Jobs,
     Json,
+    Plugins,
     ResultsFolder,
     command_line,
     executor_of,
@@ -42,6 +43,7 @@ def sensitivity(
     dask: Dask = None,
     cache: CacheFolder = DEFAULT_CACHE,
     results: ResultsFolder = DEFAULT_RESULTS,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Find out for which settings planning is worthwhile, and which settings decide that.

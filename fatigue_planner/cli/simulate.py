@@ -14,6 +14,7 @@ from fatigue_planner.cli.options import (
     ExperimentFile,
     Jobs,
     Json,
+    Plugins,
     executor_of,
     present,
 )
@@ -29,6 +30,7 @@ def simulate(
     cache: CacheFolder = DEFAULT_CACHE,
     jobs: Jobs = ALL_CORES,
     dask: Dask = None,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import yaml
 
-from fatigue_planner.cli.options import Json, present
+from fatigue_planner.cli.options import Json, Plugins, present
 from fatigue_planner.core.errors import ExperimentError, FatplanError
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def validate(
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
     ] = False,
+    plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without running anything, and list all its faults at once."""
@@ -65,6 +66,7 @@ def validate(
 
 def schema(
     kind: Annotated[Kind, typer.Argument(help="The kind of file.")] = Kind.EXPERIMENT,
+    plugins: Plugins = None,
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
     from fatigue_planner.experiment.loader import editor_schema

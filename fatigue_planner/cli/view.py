@@ -14,6 +14,7 @@ from fatigue_planner.cli.options import (
     DEFAULT_RESULTS,
     CacheFolder,
     ExperimentFile,
+    Plugins,
     command_line,
 )
 from fatigue_planner.cli.progress import talk
@@ -40,6 +41,7 @@ def view(
     at: Annotated[
         list[float] | None, typer.Option("--at", help="Seconds of the cycle, for the poses of a .png (repeatable).")
     ] = None,
+    plugins: Plugins = None,
 ) -> None:
     """Show the digital human performing the reactions of an EXPERIMENT, in a browser or as a picture.
 
