@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from fatigue_planner.core import files, provenance
 from fatigue_planner.core.executors.processes import LocalProcesses
@@ -16,6 +17,10 @@ from fatigue_planner.reactions.reaction import Reaction
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
+
+# The same examples in every run, on a machine of any speed, and nothing remembered from one run to the next.
+settings.register_profile("fatplan", derandomize=True, deadline=None, database=None, suppress_health_check=HealthCheck)
+settings.load_profile("fatplan")
 
 
 @pytest.fixture(scope="session")
