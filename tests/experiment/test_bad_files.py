@@ -1,5 +1,7 @@
 """Every bad file is one clear message with file, place, value and what is allowed; soon, and in little memory."""
 
+import copy
+import math
 import os
 import re
 import socket
@@ -12,15 +14,17 @@ from typing import Any, NamedTuple
 import pytest
 import yaml
 from conftest import PAPER, ROOT
+from deciding_settings import EXPERIMENT, parsed
+from settings_leaves import groups, leaves
 
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.experiment.error_messages import dotted
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.sensitivity.study import load_study
 
 linux = pytest.mark.skipif(not Path("/proc/self/mem").is_file(), reason="needs Linux' /proc")
-FEWEST_CASES = 15
 MAX_SECONDS = 2.0
 MAX_MIB = 300
 # The sections that the paper's file leaves out.
@@ -44,10 +48,20 @@ CASES: dict[str, list[tuple[str, str, str]]] = yaml.safe_load(
 )
 
 
+Keys = tuple[str | int, ...]
+
+
 def changed(section: str, old: str, new: str) -> str:
     """The complete experiment with one thing changed in one section."""
     assert old in SECTIONS[section], f"{section} has no {old!r}"
     return "".join(text.replace(old, new, 1) if name == section else text for name, text in SECTIONS.items())
+
+
+def inside(content: Any, path: Keys) -> Any:
+    """The part of a content to which a path leads."""
+    for step in path:
+        content = content[step]
+    return content
 
 
 def message_of(path: Path, load: Any = load_experiment) -> str:
@@ -61,13 +75,71 @@ def message_of(path: Path, load: Any = load_experiment) -> str:
     return "\n".join(line.removeprefix(f"{path}: ") for line in lines)
 
 
-def test_the_complete_experiment_is_valid_and_every_section_has_enough_cases(tmp_path: Path) -> None:
+def test_the_complete_experiment_is_valid(tmp_path: Path) -> None:
     file = tmp_path / "whole.yaml"
     file.write_text("".join(SECTIONS.values()))
     assert load_experiment(file).belief is not None
-    different = {name: len({(old, new) for old, new, _ in CASES.get(name, [])}) for name in Experiment.model_fields}
-    assert set(SECTIONS) == set(Experiment.model_fields)
-    assert not {name: count for name, count in different.items() if count < FEWEST_CASES}
+    assert set(SECTIONS) == set(CASES) == set(Experiment.model_fields)
+
+
+# Values of other types than most settings have, as messages show them; and what is said, by the type of the setting.
+OTHER_TYPES = {"True": True, "'1'": "1", "[1]": (1,), "{'a': 1}": {"a": 1}, "nan": math.nan, "-inf": -math.inf}
+NUMBER = r"input should be (a valid (number|integer)|a finite number|greater than or equal to 0)\."
+SAID = {
+    float: NUMBER,
+    int: NUMBER,
+    bool: r"input should be a valid boolean\.",
+    str: r"input should be a valid string\.|(input )?should be (one of )?'.*\.",
+}
+
+
+def first_line(path: Keys, *value: object, renamed: str = "") -> str:
+    """What is said first of the experiment with every setting, where a path leads to another value or key, or none."""
+    content = copy.deepcopy(EXPERIMENT)
+    group = inside(content, path[:-1])
+    if value:
+        group[path[-1]] = value[0]
+    else:
+        old = group.pop(path[-1])
+        group |= {renamed: old} if renamed else {}
+    with pytest.raises(ExperimentError) as caught:
+        parsed(content)
+    return str(caught.value).splitlines()[0].removeprefix("the experiment: ")
+
+
+@pytest.mark.parametrize("section", Experiment.model_fields)
+def test_every_setting_refuses_values_of_other_types(section: str) -> None:
+    named = {leaf.name: leaf for leaf in leaves(parsed(EXPERIMENT), Experiment) if leaf.path[0] == section}
+    for leaf in named.values():
+        kind = type(leaf.value)
+        for shown, value in OTHER_TYPES.items():
+            if kind is float or type(value) is not kind:
+                begin = f"{dotted(leaf.path)} = {shown}: "
+                told = first_line(leaf.path, value)
+                assert told.startswith(begin) and re.fullmatch(SAID[kind], told.removeprefix(begin)), told
+
+
+def test_every_key_that_is_misspelt_missing_or_of_another_form_is_told() -> None:
+    """Where things come in several kinds, it is the kind that is missed first."""
+    for path, group in {type(group): (path, group) for path, group in groups(parsed(EXPERIMENT))}.values():
+        written = inside(EXPERIMENT, path)
+        if path:
+            assert first_line(path, "x") == f"{dotted(path)} = 'x': should be a mapping of keys and values."
+        for name, field in type(group).model_fields.items():
+            key = field.alias or name
+            here = (*path, key)
+            if key not in written:
+                continue
+            kinds = f"{dotted(path)}: needs a kind: one of "
+            assert first_line(here, renamed=f"{key}_").startswith(
+                (f"{dotted(here)}_: unknown key; did you mean '{key}'?", kinds)
+            )
+            if field.is_required():
+                assert first_line(here).startswith((f"{dotted(here)}: is missing.", kinds))
+                assert first_line(here, None).startswith(f"{dotted(here)} = None: ")
+            form = {dict: "a mapping of keys and values", list: "a list"}.get(type(written[key]))
+            if form:
+                assert first_line(here, "x") == f"{dotted(here)} = 'x': should be {form}."
 
 
 @pytest.mark.parametrize("section", SECTIONS)

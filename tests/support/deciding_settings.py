@@ -11,7 +11,8 @@ from typing import Any
 from conftest import PAPER
 from settings_leaves import Leaf
 
-from fatigue_planner.experiment.loader import read_content
+from fatigue_planner.experiment.loader import parse_experiment, read_content
+from fatigue_planner.experiment.schema import Experiment
 
 Content = dict[str, Any]
 CHOICE = {"kind": "choice", "values": [0.8, 1.25], "probabilities": [0.5, 0.5]}
@@ -29,6 +30,17 @@ def _listed(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _listed(item) for key, item in value.items()}
     return [_listed(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def parsed(content: Content) -> Experiment:
+    return parse_experiment(_fixed(content), "the experiment")
+
+
+def _fixed(value: Any) -> Any:
+    """The same with tuples in place of lists, as files are read."""
+    if isinstance(value, dict):
+        return {key: _fixed(item) for key, item in value.items()}
+    return tuple(map(_fixed, value)) if isinstance(value, list) else value
 
 
 def _experiment() -> Content:

@@ -62,6 +62,18 @@ def leaves(value: Any, annotation: Any, name: str = "", path: Path = ()) -> Iter
         yield Leaf(path, name, value, choices)
 
 
+def groups(value: Any, path: Path = ()) -> Iterator[tuple[Path, Settings]]:
+    """Every group of settings in a value, with its path."""
+    below: Any = ()
+    if isinstance(value, Settings):
+        yield path, value
+        below = ((field.alias or key, getattr(value, key)) for key, field in type(value).model_fields.items())
+    elif isinstance(value, dict | tuple):
+        below = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, item in below:
+        yield from groups(item, (*path, key))
+
+
 def _ways(annotation: Any, name: str) -> Iterator[tuple[Any, str]]:
     """The types that a value may be of, None aside, each with the name that leads into it."""
     while get_origin(annotation) is Annotated or hasattr(annotation, "__value__"):

@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from conftest import PAPER, ROOT
-from deciding_settings import EXPERIMENT, NO_OTHER_VALUE, RULES, Content, Rule, changed, has_no_other_value
+from deciding_settings import EXPERIMENT, NO_OTHER_VALUE, RULES, Content, Rule, changed, has_no_other_value, parsed
 from numpy.typing import NDArray
 from settings_leaves import Leaf, leaves, schema_leaves
 
@@ -26,7 +25,7 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.files import PACKAGE, digest_of, digests_of_package
 from fatigue_planner.experiment import build
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
-from fatigue_planner.experiment.loader import load_experiment, parse_experiment
+from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.simulator import simulate
@@ -39,17 +38,6 @@ from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
 SECTIONS = list(Experiment.model_fields)
-
-
-def parsed(content: Content) -> Experiment:
-    return parse_experiment(_fixed(content), "the experiment")
-
-
-def _fixed(value: Any) -> Any:
-    """The same with tuples in place of lists, as files are read."""
-    if isinstance(value, dict):
-        return {key: _fixed(item) for key, item in value.items()}
-    return tuple(map(_fixed, value)) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)
@@ -191,8 +179,8 @@ def test_a_strength_set_counts_by_its_values_not_by_its_name(
 def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None:
     program = (
         "import sys\n"
-        f"sys.path[:0] = {[str(ROOT / 'tests' / part) for part in ('', 'support', 'whole')]!r}\n"
-        "from test_what_decides import parsed, EXPERIMENT\n"
+        f"sys.path[:0] = {[str(ROOT / 'tests' / part) for part in ('', 'support')]!r}\n"
+        "from deciding_settings import parsed, EXPERIMENT\n"
         "from fatigue_planner.experiment.build import reaction_requests\n"
         "experiment = parsed(EXPERIMENT)\n"
         "print([request.digest for request in reaction_requests(experiment)])\n"
