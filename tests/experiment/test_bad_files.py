@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 import pytest
 import yaml
 from conftest import PAPER, ROOT
-from deciding_settings import EXPERIMENT, parsed
-from settings_leaves import groups, leaves
+from deciding_settings import EXPERIMENT, LEAVES, WHOLE, inside, parsed
+from settings_leaves import Path as Keys
+from settings_leaves import groups
 
 from fatigue_planner.core.errors import ExperimentError, FatplanError
 from fatigue_planner.experiment.error_messages import dotted
@@ -48,20 +49,10 @@ CASES: dict[str, list[tuple[str, str, str]]] = yaml.safe_load(
 )
 
 
-Keys = tuple[str | int, ...]
-
-
 def changed(section: str, old: str, new: str) -> str:
     """The complete experiment with one thing changed in one section."""
     assert old in SECTIONS[section], f"{section} has no {old!r}"
     return "".join(text.replace(old, new, 1) if name == section else text for name, text in SECTIONS.items())
-
-
-def inside(content: Any, path: Keys) -> Any:
-    """The part of a content to which a path leads."""
-    for step in path:
-        content = content[step]
-    return content
 
 
 def message_of(path: Path, load: Any = load_experiment) -> str:
@@ -109,7 +100,7 @@ def first_line(path: Keys, *value: object, renamed: str = "") -> str:
 
 @pytest.mark.parametrize("section", Experiment.model_fields)
 def test_every_setting_refuses_values_of_other_types(section: str) -> None:
-    named = {leaf.name: leaf for leaf in leaves(parsed(EXPERIMENT), Experiment) if leaf.path[0] == section}
+    named = {leaf.name: leaf for leaf in LEAVES if leaf.path[0] == section}
     for leaf in named.values():
         kind = type(leaf.value)
         for shown, value in OTHER_TYPES.items():
@@ -121,7 +112,7 @@ def test_every_setting_refuses_values_of_other_types(section: str) -> None:
 
 def test_every_key_that_is_misspelt_missing_or_of_another_form_is_told() -> None:
     """Where things come in several kinds, it is the kind that is missed first."""
-    for path, group in {type(group): (path, group) for path, group in groups(parsed(EXPERIMENT))}.values():
+    for path, group in {type(group): (path, group) for path, group in groups(WHOLE)}.values():
         written = inside(EXPERIMENT, path)
         if path:
             assert first_line(path, "x") == f"{dotted(path)} = 'x': should be a mapping of keys and values."

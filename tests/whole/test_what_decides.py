@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import PAPER, ROOT
-from deciding_settings import EXPERIMENT, NO_OTHER_VALUE, RULES, Content, Rule, changed, has_no_other_value, parsed
+from deciding_settings import EXPERIMENT, LEAVES, RULES, Content, Rule, changed, parsed
 from numpy.typing import NDArray
 from settings_leaves import Leaf, leaves, schema_leaves
 
@@ -93,31 +93,29 @@ def _pattern(name: str) -> str:
     return name.replace("[", "[[]")
 
 
-def _leaves() -> Iterator[Leaf]:
-    """All that the paper's experiment has, and of what it has not the first of every name."""
+def _leaves() -> list[Leaf]:
+    """All that the paper's experiment has, and of what it has not the last of every name."""
     papers = {leaf.path for leaf in leaves(load_experiment(PAPER), Experiment)}
-    seen = set()
-    for leaf in leaves(parsed(EXPERIMENT), Experiment):
-        if leaf.path in papers or leaf.name not in seen or leaf.name in NO_OTHER_VALUE:
-            seen.add(leaf.name)
-            yield leaf
+    last = {leaf.name: leaf for leaf in LEAVES}.values()
+    return [leaf for leaf in LEAVES if leaf.path in papers or leaf in last]
 
 
-EVERY_LEAF = list(_leaves())
+EVERY_LEAF = _leaves()
+
+
+@cache
+def change_of(leaf: Leaf) -> Content | None:
+    return changed(leaf)
 
 
 def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
     # the other kind of belief is what the belief's kind is changed to
     assert {leaf.name for leaf in EVERY_LEAF} | {"belief.<exact>.kind"} == schema_leaves(Experiment)
     assert {rule_of(leaf).why for leaf in EVERY_LEAF} == {rule.why for rule in RULES}
-    paper = load_experiment(PAPER)
-    ours = {leaf.path for leaf in EVERY_LEAF if not has_no_other_value(leaf)}
-    missing = [leaf.path for leaf in leaves(paper, Experiment) if leaf.path not in ours]
-    # a chance that can only be 1, and one length of three, which would be as the others
-    assert missing == [("initial_beliefs", "single", 0, "probability"), ("benchmark", "n_cycles", 2)]
-    assert {leaf.name for leaf in EVERY_LEAF} - {leaf.name for leaf in EVERY_LEAF if not has_no_other_value(leaf)} == {
-        "benchmark.reference.kind"
-    }
+    unchanged = {leaf.path for leaf in EVERY_LEAF if change_of(leaf) is None}
+    assert unchanged == {("initial_beliefs", "single", 0, "probability"), ("benchmark", "reference", "kind")}
+    missing = {leaf.path for leaf in leaves(load_experiment(PAPER), Experiment)} - {leaf.path for leaf in EVERY_LEAF}
+    assert missing == {("benchmark", "n_cycles", 2)}  # one length of three, which would be as the others
 
 
 @pytest.mark.parametrize("section", SECTIONS)
@@ -126,9 +124,10 @@ def test_a_setting_changes_the_keys_of_what_it_decides_and_no_other(
 ) -> None:
     base = keys_of(EXPERIMENT)
     for leaf in EVERY_LEAF:
-        if leaf.path[0] != section or has_no_other_value(leaf):
+        content = change_of(leaf) if leaf.path[0] == section else None
+        if content is None:
             continue
-        rule, now = rule_of(leaf), keys_of(changed(leaf, EXPERIMENT))
+        rule, now = rule_of(leaf), keys_of(content)
         expected = (
             {name for name in base.reactions if rule.reactions(leaf, name)},
             {name for name in base.cells if rule.cells(leaf, name[0], name[2])},
@@ -364,12 +363,13 @@ def test_a_setting_of_the_motion_changes_a_motion_indeed(section: str) -> None:
     first = {request.name: request for request in reaction_requests(parsed(EXPERIMENT))}
     tried = 0
     for leaf in EVERY_LEAF:
-        if leaf.path[0] != section or has_no_other_value(leaf):
+        content = change_of(leaf) if leaf.path[0] == section else None
+        if content is None:
             continue
         rule = rule_of(leaf)
         free = any(fnmatch.fnmatchcase(leaf.name, name) for name in OFTEN_WITHOUT_EFFECT)
         decided = [name for name in first if rule.reactions(leaf, name)]
-        requests = {request.name: request for request in reaction_requests(parsed(changed(leaf, EXPERIMENT)))}
+        requests = {request.name: request for request in reaction_requests(parsed(content))}
         for name in decided[:2] if free else decided:
             before = torques(first[name])
             if before is None:  # cannot be performed
