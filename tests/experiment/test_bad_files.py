@@ -1,10 +1,9 @@
-"""Every bad file is one clear message with file, place, value and what is allowed; soon, and in little memory."""
+"""Every bad file gets one clear message with file, key, value and what is allowed; soon, and in little memory."""
 
 import copy
 import math
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
@@ -50,13 +49,13 @@ CASES: dict[str, list[tuple[str, str, str]]] = yaml.safe_load(
 
 
 def changed(section: str, old: str, new: str) -> str:
-    """The complete experiment with one thing changed in one section."""
+    """The complete experiment with one change in one section."""
     assert old in SECTIONS[section], f"{section} has no {old!r}"
     return "".join(text.replace(old, new, 1) if name == section else text for name, text in SECTIONS.items())
 
 
 def message_of(path: Path, load: Any = load_experiment) -> str:
-    """What is said of a bad file, without its name, which each line must have; one second is enough."""
+    """The message about a bad file, without its name, which each line must have; one second is enough."""
     begin = time.process_time()
     with pytest.raises(FatplanError) as caught:
         load(path)
@@ -73,7 +72,7 @@ def test_the_complete_experiment_is_valid(tmp_path: Path) -> None:
     assert set(SECTIONS) == set(CASES) == set(Experiment.model_fields)
 
 
-# Values of other types than most settings have, as messages show them; and what is said, by the type of the setting.
+# Values of types that most settings do not have, as messages show them; and the message by the type of the setting.
 OTHER_TYPES = {"True": True, "'1'": "1", "[1]": (1,), "{'a': 1}": {"a": 1}, "nan": math.nan, "-inf": -math.inf}
 NUMBER = r"input should be (a valid (number|integer)|a finite number|greater than or equal to 0)\."
 SAID = {
@@ -85,7 +84,7 @@ SAID = {
 
 
 def first_line(path: Keys, *value: object, renamed: str = "") -> str:
-    """What is said first of the experiment with every setting, where a path leads to another value or key, or none."""
+    """The first line about the experiment with every setting, with another value, another key or none at a path."""
     content = copy.deepcopy(EXPERIMENT)
     group = inside(content, path[:-1])
     if value:
@@ -106,11 +105,11 @@ def test_every_setting_refuses_values_of_other_types(section: str) -> None:
         for shown, value in OTHER_TYPES.items():
             if kind is float or type(value) is not kind:
                 begin = f"{dotted(leaf.path)} = {shown}: "
-                told = first_line(leaf.path, value)
-                assert told.startswith(begin) and re.fullmatch(SAID[kind], told.removeprefix(begin)), told
+                line = first_line(leaf.path, value)
+                assert line.startswith(begin) and re.fullmatch(SAID[kind], line.removeprefix(begin)), line
 
 
-def test_every_key_that_is_misspelt_missing_or_of_another_form_is_told() -> None:
+def test_every_key_that_is_misspelt_missing_or_of_another_form_is_refused() -> None:
     """Where things come in several kinds, it is the kind that is missed first."""
     for path, group in {type(group): (path, group) for path, group in groups(WHOLE)}.values():
         written = inside(EXPERIMENT, path)
@@ -134,8 +133,8 @@ def test_every_key_that_is_misspelt_missing_or_of_another_form_is_told() -> None
 
 
 @pytest.mark.parametrize("section", SECTIONS)
-def test_each_bad_section_is_told(section: str, tmp_path: Path) -> None:
-    """One thing is wrong, so the first line is about it; further lines are about what follows from it."""
+def test_each_bad_section_is_refused(section: str, tmp_path: Path) -> None:
+    """One thing is wrong, and the first line is about it; the others are about its consequences."""
     file = tmp_path / "mine.yaml"
     wrong = []
     for old, new, expected in CASES[section]:
@@ -146,12 +145,12 @@ def test_each_bad_section_is_told(section: str, tmp_path: Path) -> None:
     assert not wrong
 
 
-# Files that are valid in form and would make the check of their meaning, or what comes after, endless.
+# Files of valid form that would make the check of their meaning, or what follows it, endless.
 PLACES = "{from: 0.3, to: 0.5, count: 71}"
 GRID = f"right_hand: {{position_m: {{x: {PLACES}, y: {PLACES}, z: 1}}}}"
 WORKER = "height_m: 1.75, mass_kg: 75, sex: male, strength: average_man, natural_posture_deg: {}"
 TOO_LARGE = {
-    "a place named by too long a file": (
+    "a strength set with too long a name": (
         "workers", "strength: average_man", f"strength: {'x' * 300}", "workers.average_man: strength set 'xxx",
     ),
     "a name of a file that no system takes": (
@@ -161,7 +160,7 @@ TOO_LARGE = {
         "workers", "  average_man:", "".join(f"  w{i}: {{{WORKER}}}\n" for i in range(400)) + "  average_man:",
         "workers = {'w0': {'height_m': 1.75, 'mass_kg': 75, 'sex': 'male', 'str…: should have at most 50 of them.",
     ),
-    "a grid of 10^9 places": (
+    "a grid of 10^9 positions": (
         "actions", "x: 0.5, y: -0.25, z: 1.2", ", ".join(f"{axis}: {{from: 0, to: 1, count: 1000}}" for axis in "xyz"),
         "actions.high: its grid has 1000000000 places; at most 10000 actions are allowed in all.",
     ),
@@ -169,11 +168,11 @@ TOO_LARGE = {
         "actions", "  high:", "".join(f"  g{i}: {{{GRID}}}\n" for i in range(100)) + "  high:",
         "actions.g1: its grid has 5041 places; at most 10000 actions are allowed in all.",
     ),
-    "a grid that is wrong at every place": (
+    "a grid that is wrong at every position": (
         "actions", "  high:", f"  g: {{{GRID.replace('z: 1', 'z: 9')}}}\n  high:",
         "actions.g_x0.3_y0.3.right_hand.position_m.z = 9: input should be less than or equal to 3.",
     ),
-    "a grid that is out of reach at every place": (
+    "a grid that is out of reach at every position": (
         "actions", "  high:", f"  g: {{{GRID.replace('z: 1', 'z: 2.9')}}}\n  high:",
         "actions.g_x0.3_y0.3.right_hand.position_m: 2.93 m from the feet;",
     ),
@@ -246,8 +245,8 @@ def test_products_that_are_too_large_are_refused(tmp_path: Path) -> None:
     lengths = f"n_cycles: [5, 20, {', '.join(map(str, range(101, 300)))}]"
     text = changed("benchmark", "    random: {kind: random}\n", policies + "    random: {kind: random}\n")
     file.write_text(text.replace("n_cycles: [5, 20, 100]", lengths))
-    told = message_of(file)
-    assert "benchmark: 305721 combinations of conditions, n_cycles and policies; at most 100000." in told, told
+    message = message_of(file)
+    assert "benchmark: 305721 combinations of conditions, n_cycles and policies; at most 100000." in message, message
     preferences = "".join(f"  p{i}: {{tasks: []}}\n" for i in range(30))
     text = changed("preferences", "  arm:", preferences + "  arm:")
     file.write_text(text.replace("  high:", f"  g: {{{GRID}}}\n  high:"))
@@ -261,7 +260,7 @@ def _laughs() -> bytes:
 
 
 class WholeFile(NamedTuple):
-    """A file that is no experiment: some bytes so many times; and how the message begins behind the file's name."""
+    """A file that is not an experiment: bytes, repeated; and how the message begins after the file's name."""
 
     content: bytes
     expected: str
@@ -342,13 +341,13 @@ WHOLE_FILES = {
 
 
 @pytest.mark.parametrize("name", WHOLE_FILES)
-def test_files_that_are_no_experiment_are_told(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_that_are_not_experiments_are_refused(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "mine.yaml"
     WHOLE_FILES[name].write(file)
     message = message_of(file)
     assert message.startswith(WHOLE_FILES[name].expected), message
-    assert all(one.isprintable() or one == "\n" for one in message) and len(message) < 30_000
+    assert all(letter.isprintable() or letter == "\n" for letter in message) and len(message) < 30_000
     assert not (tmp_path / "harmed").exists()
 
 
@@ -363,32 +362,8 @@ def test_the_line_endings_and_byte_order_marks_of_other_systems_do_not_matter(
     assert load_experiment(file) == paper
 
 
-@pytest.fixture
-def no_files(tmp_path: Path) -> dict[str, Path]:
-    """What can stand where a file should."""
-    found = {name: tmp_path / name for name in ("folder", "pipe", "socket", "dangling", "loop", "zero", "none", "dots")}
-    found["folder"].mkdir()
-    os.mkfifo(found["pipe"])
-    with socket.socket(socket.AF_UNIX) as server:
-        here = Path.cwd()
-        os.chdir(tmp_path)  # the path of a socket may have some hundred characters only
-        try:
-            server.bind("socket")
-        finally:
-            os.chdir(here)
-    found["dangling"].symlink_to(tmp_path / "nowhere")
-    found["loop"].symlink_to(found["loop"])
-    found["zero"].symlink_to("/dev/zero")
-    found["dots"] = tmp_path / "folder" / ".." / "folder" / "."
-    (tmp_path / "file").write_text("name: x\n")
-    found["below a file"] = tmp_path / "file" / "mine.yaml"
-    found["too long"] = tmp_path / ("x" * 300)
-    found["with NUL"] = tmp_path / "a\0b"
-    return found
-
-
 @pytest.mark.parametrize("load", [load_experiment, load_claims, load_study])
-def test_what_is_no_file_is_refused_at_once(load: Any, no_files: dict[str, Path]) -> None:
+def test_what_is_not_a_file_is_refused_at_once(load: Any, no_files: dict[str, Path]) -> None:
     """A pipe nobody writes to would be waited for, a device be read for ever."""
     for path in no_files.values():
         with pytest.raises(FatplanError, match=r"cannot be read \((is not a file|No such file|File name too long|Too)"):
@@ -440,7 +415,7 @@ BAD_CLAIMS = [
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), BAD_CLAIMS)
-def test_each_bad_file_of_claims_is_told(old: str, new: str, expected: str, tmp_path: Path) -> None:
+def test_each_bad_file_of_claims_is_refused(old: str, new: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "paper.yaml").write_text(TEXT)
     file = tmp_path / "claims.yaml"
     file.write_text(CLAIM)
@@ -511,7 +486,7 @@ BAD_STUDIES = [
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), BAD_STUDIES)
-def test_each_bad_study_is_told(old: str, new: str, expected: str, tmp_path: Path) -> None:
+def test_each_bad_study_is_refused(old: str, new: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "paper.yaml").write_text(TEXT)
     file = tmp_path / "study.yaml"
     assert old in STUDY
@@ -537,7 +512,7 @@ def test_strength_files_that_build_on_each_other_without_end_are_refused(tmp_pat
 
 
 class Child(NamedTuple):
-    """How a command ended: exit code, what it said on stderr, its processor time and its peak of memory."""
+    """How a command ended: exit code, stderr, processor time and peak memory."""
 
     code: int
     said: str
@@ -577,14 +552,14 @@ def check_end_to_end(files: dict[str, Path], folder: Path) -> None:
         assert child.code == 2, (name, child)
         assert child.said.startswith("Error: ") and "Traceback" not in child.said, (name, child.said)
         assert str(path) in child.said or repr(str(path)) in child.said, (name, child.said)
-        assert all(one.isprintable() or one == "\n" for one in child.said), (name, child.said)
+        assert all(letter.isprintable() or letter == "\n" for letter in child.said), (name, child.said)
         assert child.seconds < good.seconds + MAX_SECONDS / 2, (name, child.seconds, good.seconds)
         assert child.peak_mib < MAX_MIB, (name, child.peak_mib)
 
 
 def written(names: list[str], folder: Path) -> dict[str, Path]:
     """Whole files of these names, written."""
-    return {name: WHOLE_FILES[name].write(folder / f"{place}.yaml") for place, name in enumerate(names)}
+    return {name: WHOLE_FILES[name].write(folder / f"{number}.yaml") for number, name in enumerate(names)}
 
 
 @linux

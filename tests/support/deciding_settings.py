@@ -91,7 +91,7 @@ def _experiment() -> Content:
     }
     kinds = (CHOICE, LOGNORMAL, UNIFORM)
     content["hidden_workers"] = {
-        f"unknown_{turn}": {name: kinds[(place + turn) % 3] for place, name in enumerate(HIDDEN)} for turn in range(3)
+        f"unknown_{turn}": {name: kinds[(index + turn) % 3] for index, name in enumerate(HIDDEN)} for turn in range(3)
     }
     names = list(content["preferences"])
     content["recognition"] = {name: {other: float(other == name) for other in names} for name in names}
@@ -118,9 +118,9 @@ def _experiment() -> Content:
     content["statistics"]["families"]["search"] = {
         "policies": ["greedy"], "against": ["random"], "conditions": ["single_novice"], "n_cycles": [5],
     }  # fmt: skip
-    for task in (task for one in content["preferences"].values() for task in one["tasks"]):
+    for task in (task for preference in content["preferences"].values() for task in preference["tasks"]):
         task.setdefault("during", PHASES)
-    return _listed(content)  # nothing of it stands in two places
+    return _listed(content)  # nothing of it is shared
 
 
 EXPERIMENT = _experiment()
@@ -146,7 +146,9 @@ class Rule:
 
 def _conditions(key: str) -> Callable[[str], set[str]]:
     """The conditions that have a value under a key."""
-    return lambda value: {name for name, one in EXPERIMENT["benchmark"]["conditions"].items() if one.get(key) == value}
+    return lambda value: {
+        name for name, condition in EXPERIMENT["benchmark"]["conditions"].items() if condition.get(key) == value
+    }
 
 
 OF_WORKER, OF_START, OF_HIDDEN = map(_conditions, ("worker", "initial_belief", "hidden_worker"))
@@ -162,7 +164,7 @@ RULES = (
     ),
     Rule(
         ("workers.*.strength",),
-        "limits the torques of this worker's motions, and is what fatigue is a share of",
+        "limits the torques of this worker's motions, and is what a load is measured by",
         reactions=lambda leaf, name: name[0] == leaf.path[1],
         cells=lambda leaf, condition, policy: condition in OF_WORKER(leaf.path[1]),
         bounds=lambda leaf, condition: condition in OF_WORKER(leaf.path[1]),

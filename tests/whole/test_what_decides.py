@@ -54,7 +54,7 @@ class Keys:
 def moved(reactions: tuple[Reaction, ...]) -> tuple[Reaction, ...]:
     """A motion for every name of the experiment: the paper's four in turn."""
     names = [request.name for request in reaction_requests(parsed(EXPERIMENT))]
-    return tuple(replace(reactions[place % len(reactions)], name=name) for place, name in enumerate(names))
+    return tuple(replace(reactions[index % len(reactions)], name=name) for index, name in enumerate(names))
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,9 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
 
     def keys(content: Content) -> Keys:
         experiment = parsed(content)
-        what_tires = digest_of([experiment.fatigue.plain(), [one.strength for one in experiment.workers.values()]])
+        what_tires = digest_of(
+            [experiment.fatigue.plain(), [worker.strength for worker in experiment.workers.values()]]
+        )
         if what_tires not in known:
             known[what_tires] = cycle_profiles(experiment, moved)
         all_cells = cells(experiment, known[what_tires])
@@ -75,7 +77,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             {tuple(request.name): request.digest for request in reaction_requests(experiment)},
             {name: cell.digest() for name, cell in named.items()},
             {name: RegretJob(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
-            {place: bound_digest(one, place[1]) for place, one in scenarios.items() if one.prior is None},
+            {name: bound_digest(scenario, name[1]) for name, scenario in scenarios.items() if scenario.prior is None},
         )
 
     with pytest.MonkeyPatch.context() as patch:
@@ -175,7 +177,7 @@ def test_a_strength_set_counts_by_its_values_not_by_its_name(
         assert (now.reactions == base.reactions) is same
 
 
-def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None:
+def test_keys_know_nothing_of_folder_time_and_environment(tmp_path: Path) -> None:
     program = (
         "import sys\n"
         f"sys.path[:0] = {[str(ROOT / 'tests' / part) for part in ('', 'support')]!r}\n"
@@ -188,16 +190,16 @@ def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None
         "from fatigue_planner.core.provenance import versions_of\n"
         "print(digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES))\n"
     )
-    told = set()
-    for place, (zone, seed, language) in enumerate((("UTC", "1", "C"), ("Asia/Tokyo", "2", "C.UTF-8"))):
-        folder = tmp_path / str(place)
+    printed = set()
+    for number, (zone, seed, language) in enumerate((("UTC", "1", "C"), ("Asia/Tokyo", "2", "C.UTF-8"))):
+        folder = tmp_path / str(number)
         folder.mkdir()
         environment = os.environ | {
-            "TZ": zone, "PYTHONHASHSEED": seed, "LC_ALL": language, "USER": f"user{place}", "HOSTNAME": f"host{place}",
+            "TZ": zone, "PYTHONHASHSEED": seed, "LC_ALL": language, "USER": f"u{number}", "HOSTNAME": f"h{number}",
         }  # fmt: skip
         command = [sys.executable, "-c", program]
-        told.add(subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True).stdout)
-    assert len(told) == 1
+        printed.add(subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True).stdout)
+    assert len(printed) == 1
 
 
 # --- sources ---------------------------------------------------------------------------------------------------
@@ -394,13 +396,13 @@ def test_what_decides_nothing_changes_nothing(moved: tuple[Reaction, ...], tmp_p
     other["accuracy"]["hand_error_m"] = 0.5
     other["statistics"]["significance_level"] = 0.01
     other["figures"] = {}
-    told = []
-    for place, one in enumerate((content, other)):
-        experiment = parsed(one)
+    found = []
+    for number, settings in enumerate((content, other)):
+        experiment = parsed(settings)
         grid_cells = cells(experiment, cycle_profiles(experiment, moved))
-        results, _ = run_grid(grid_cells, tmp_path / str(place), LocalProcesses(1), lambda job, n: None)
+        results, _ = run_grid(grid_cells, tmp_path / str(number), LocalProcesses(1), lambda job, n: None)
         outcomes = [
             cell.outcome(result) for cell, done in zip(grid_cells, results, strict=True) for result in done.values()
         ]
-        told.append((outcomes, sorted(path.parent.name for path in (tmp_path / str(place)).rglob("*.json"))))
-    assert told[0] == told[1]
+        found.append((outcomes, sorted(path.parent.name for path in (tmp_path / str(number)).rglob("*.json"))))
+    assert found[0] == found[1]
