@@ -1,10 +1,13 @@
 """What several tests share: the paper's experiment, its reactions, simulated once per session, and keys of results."""
 
+import os
 import shutil
+import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from fatigue_planner.core import files, provenance
 from fatigue_planner.core.executors.processes import LocalProcesses
@@ -16,6 +19,10 @@ from fatigue_planner.reactions.reaction import Reaction
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
+
+# The same examples in every run, on a machine of any speed, and nothing remembered from one run to the next.
+settings.register_profile("fatplan", derandomize=True, deadline=None, database=None, suppress_health_check=HealthCheck)
+settings.load_profile("fatplan")
 
 
 @pytest.fixture(scope="session")
@@ -35,6 +42,30 @@ def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) ->
 @pytest.fixture(scope="session")
 def reactions(paper: Experiment, cache_folder: Path) -> tuple[Reaction, ...]:
     return load_reactions(paper, cache_folder, "fatplan simulate")
+
+
+@pytest.fixture
+def no_files(tmp_path: Path) -> dict[str, Path]:
+    """What can stand where a file should."""
+    found = {name: tmp_path / name for name in ("folder", "pipe", "socket", "dangling", "loop", "zero", "none", "dots")}
+    found["folder"].mkdir()
+    os.mkfifo(found["pipe"])
+    with socket.socket(socket.AF_UNIX) as server:
+        here = Path.cwd()
+        os.chdir(tmp_path)  # the path of a socket may have some hundred characters only
+        try:
+            server.bind("socket")
+        finally:
+            os.chdir(here)
+    found["dangling"].symlink_to(tmp_path / "nowhere")
+    found["loop"].symlink_to(found["loop"])
+    found["zero"].symlink_to("/dev/zero")
+    found["dots"] = tmp_path / "folder" / ".." / "folder" / "."
+    (tmp_path / "file").write_text("name: x\n")
+    found["below a file"] = tmp_path / "file" / "mine.yaml"
+    found["too long"] = tmp_path / ("x" * 300)
+    found["with NUL"] = tmp_path / "a\0b"
+    return found
 
 
 class Machine:

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, listed
 from fatigue_planner.core.files import PACKAGE
-from fatigue_planner.core.settings import Settings
+from fatigue_planner.core.settings import MAX_NAME_LENGTH, Settings
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
@@ -35,7 +35,8 @@ def find_shipped(path: Path) -> Path:
 
     Raises ExperimentError, naming those that ship, if a name (no folder, no `.yaml`) is none of them.
     """
-    if path.is_file() or path.name != str(path) or path.suffix in {".yaml", ".yml"}:
+    name = path.name == str(path) and not path.suffix and len(path.name) <= MAX_NAME_LENGTH
+    if not name or path.is_file():
         return path
     shipped = shipped_folder() / f"{path}.yaml"
     if shipped.exists():

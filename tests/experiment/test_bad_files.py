@@ -1,8 +1,9 @@
-"""Every bad file is one clear message with file, place, value and what is allowed; soon, and in little memory."""
+"""Every bad file gets one clear message with file, key, value and what is allowed; soon, and in little memory."""
 
+import copy
+import math
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
@@ -12,15 +13,18 @@ from typing import Any, NamedTuple
 import pytest
 import yaml
 from conftest import PAPER, ROOT
+from deciding_settings import EXPERIMENT, LEAVES, WHOLE, inside, parsed
+from settings_leaves import Path as Keys
+from settings_leaves import groups
 
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.experiment.error_messages import dotted
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.sensitivity.study import load_study
 
 linux = pytest.mark.skipif(not Path("/proc/self/mem").is_file(), reason="needs Linux' /proc")
-FEWEST_CASES = 15
 MAX_SECONDS = 2.0
 MAX_MIB = 300
 # The sections that the paper's file leaves out.
@@ -45,13 +49,13 @@ CASES: dict[str, list[tuple[str, str, str]]] = yaml.safe_load(
 
 
 def changed(section: str, old: str, new: str) -> str:
-    """The complete experiment with one thing changed in one section."""
+    """The complete experiment with one change in one section."""
     assert old in SECTIONS[section], f"{section} has no {old!r}"
     return "".join(text.replace(old, new, 1) if name == section else text for name, text in SECTIONS.items())
 
 
 def message_of(path: Path, load: Any = load_experiment) -> str:
-    """What is said of a bad file, without its name, which each line must have; one second is enough."""
+    """The message about a bad file, without its name, which each line must have; one second is enough."""
     begin = time.process_time()
     with pytest.raises(FatplanError) as caught:
         load(path)
@@ -61,18 +65,76 @@ def message_of(path: Path, load: Any = load_experiment) -> str:
     return "\n".join(line.removeprefix(f"{path}: ") for line in lines)
 
 
-def test_the_complete_experiment_is_valid_and_every_section_has_enough_cases(tmp_path: Path) -> None:
+def test_the_complete_experiment_is_valid(tmp_path: Path) -> None:
     file = tmp_path / "whole.yaml"
     file.write_text("".join(SECTIONS.values()))
     assert load_experiment(file).belief is not None
-    different = {name: len({(old, new) for old, new, _ in CASES.get(name, [])}) for name in Experiment.model_fields}
-    assert set(SECTIONS) == set(Experiment.model_fields)
-    assert not {name: count for name, count in different.items() if count < FEWEST_CASES}
+    assert set(SECTIONS) == set(CASES) == set(Experiment.model_fields)
+
+
+# Values of types that most settings do not have, as messages show them; and the message by the type of the setting.
+OTHER_TYPES = {"True": True, "'1'": "1", "[1]": (1,), "{'a': 1}": {"a": 1}, "nan": math.nan, "-inf": -math.inf}
+NUMBER = r"input should be (a valid (number|integer)|a finite number|greater than or equal to 0)\."
+SAID = {
+    float: NUMBER,
+    int: NUMBER,
+    bool: r"input should be a valid boolean\.",
+    str: r"input should be a valid string\.|(input )?should be (one of )?'.*\.",
+}
+
+
+def first_line(path: Keys, *value: object, renamed: str = "") -> str:
+    """The first line about the experiment with every setting, with another value, another key or none at a path."""
+    content = copy.deepcopy(EXPERIMENT)
+    group = inside(content, path[:-1])
+    if value:
+        group[path[-1]] = value[0]
+    else:
+        old = group.pop(path[-1])
+        group |= {renamed: old} if renamed else {}
+    with pytest.raises(ExperimentError) as caught:
+        parsed(content)
+    return str(caught.value).splitlines()[0].removeprefix("the experiment: ")
+
+
+@pytest.mark.parametrize("section", Experiment.model_fields)
+def test_every_setting_refuses_values_of_other_types(section: str) -> None:
+    named = {leaf.name: leaf for leaf in LEAVES if leaf.path[0] == section}
+    for leaf in named.values():
+        kind = type(leaf.value)
+        for shown, value in OTHER_TYPES.items():
+            if kind is float or type(value) is not kind:
+                begin = f"{dotted(leaf.path)} = {shown}: "
+                line = first_line(leaf.path, value)
+                assert line.startswith(begin) and re.fullmatch(SAID[kind], line.removeprefix(begin)), line
+
+
+def test_every_key_that_is_misspelt_missing_or_of_another_form_is_refused() -> None:
+    """Where things come in several kinds, it is the kind that is missed first."""
+    for path, group in {type(group): (path, group) for path, group in groups(WHOLE)}.values():
+        written = inside(EXPERIMENT, path)
+        if path:
+            assert first_line(path, "x") == f"{dotted(path)} = 'x': should be a mapping of keys and values."
+        for name, field in type(group).model_fields.items():
+            key = field.alias or name
+            here = (*path, key)
+            if key not in written:
+                continue
+            kinds = f"{dotted(path)}: needs a kind: one of "
+            assert first_line(here, renamed=f"{key}_").startswith(
+                (f"{dotted(here)}_: unknown key; did you mean '{key}'?", kinds)
+            )
+            if field.is_required():
+                assert first_line(here).startswith((f"{dotted(here)}: is missing.", kinds))
+                assert first_line(here, None).startswith(f"{dotted(here)} = None: ")
+            form = {dict: "a mapping of keys and values", list: "a list"}.get(type(written[key]))
+            if form:
+                assert first_line(here, "x") == f"{dotted(here)} = 'x': should be {form}."
 
 
 @pytest.mark.parametrize("section", SECTIONS)
-def test_each_bad_section_is_told(section: str, tmp_path: Path) -> None:
-    """One thing is wrong, so the first line is about it; further lines are about what follows from it."""
+def test_each_bad_section_is_refused(section: str, tmp_path: Path) -> None:
+    """One thing is wrong, and the first line is about it; the others are about its consequences."""
     file = tmp_path / "mine.yaml"
     wrong = []
     for old, new, expected in CASES[section]:
@@ -83,12 +145,12 @@ def test_each_bad_section_is_told(section: str, tmp_path: Path) -> None:
     assert not wrong
 
 
-# Files that are valid in form and would make the check of their meaning, or what comes after, endless.
+# Files of valid form that would make the check of their meaning, or what follows it, endless.
 PLACES = "{from: 0.3, to: 0.5, count: 71}"
 GRID = f"right_hand: {{position_m: {{x: {PLACES}, y: {PLACES}, z: 1}}}}"
 WORKER = "height_m: 1.75, mass_kg: 75, sex: male, strength: average_man, natural_posture_deg: {}"
 TOO_LARGE = {
-    "a place named by too long a file": (
+    "a strength set with too long a name": (
         "workers", "strength: average_man", f"strength: {'x' * 300}", "workers.average_man: strength set 'xxx",
     ),
     "a name of a file that no system takes": (
@@ -98,7 +160,7 @@ TOO_LARGE = {
         "workers", "  average_man:", "".join(f"  w{i}: {{{WORKER}}}\n" for i in range(400)) + "  average_man:",
         "workers = {'w0': {'height_m': 1.75, 'mass_kg': 75, 'sex': 'male', 'str…: should have at most 50 of them.",
     ),
-    "a grid of 10^9 places": (
+    "a grid of 10^9 positions": (
         "actions", "x: 0.5, y: -0.25, z: 1.2", ", ".join(f"{axis}: {{from: 0, to: 1, count: 1000}}" for axis in "xyz"),
         "actions.high: its grid has 1000000000 points; at most 10000 actions are allowed in all.",
     ),
@@ -106,11 +168,11 @@ TOO_LARGE = {
         "actions", "  high:", "".join(f"  g{i}: {{{GRID}}}\n" for i in range(100)) + "  high:",
         "actions.g1: its grid has 5041 points; at most 10000 actions are allowed in all.",
     ),
-    "a grid that is wrong at every place": (
+    "a grid that is wrong at every position": (
         "actions", "  high:", f"  g: {{{GRID.replace('z: 1', 'z: 9')}}}\n  high:",
         "actions.g_x0.3_y0.3.right_hand.position_m.z = 9: input should be less than or equal to 3.",
     ),
-    "a grid that is out of reach at every place": (
+    "a grid that is out of reach at every position": (
         "actions", "  high:", f"  g: {{{GRID.replace('z: 1', 'z: 2.9').replace('71', '70')}}}\n  high:",
         "actions.g_x0.3_y0.3.right_hand.position_m: 2.93 m from the feet;",
     ),
@@ -183,8 +245,8 @@ def test_products_that_are_too_large_are_refused(tmp_path: Path) -> None:
     lengths = f"n_cycles: [5, 20, {', '.join(map(str, range(101, 300)))}]"
     text = changed("benchmark", "    random: {kind: random}\n", policies + "    random: {kind: random}\n")
     file.write_text(text.replace("n_cycles: [5, 20, 100]", lengths))
-    told = message_of(file)
-    assert "benchmark: 305721 combinations of conditions, n_cycles and policies; at most 100000." in told, told
+    message = message_of(file)
+    assert "benchmark: 305721 combinations of conditions, n_cycles and policies; at most 100000." in message, message
     preferences = "".join(f"  p{i}: {{tasks: []}}\n" for i in range(30))
     text = changed("preferences", "  arm:", preferences + "  arm:")
     file.write_text(text.replace("  high:", f"  g: {{{GRID}}}\n  high:"))
@@ -198,7 +260,7 @@ def _laughs() -> bytes:
 
 
 class WholeFile(NamedTuple):
-    """A file that is no experiment: some bytes so many times; and how the message begins behind the file's name."""
+    """A file that is not an experiment: bytes, repeated; and how the message begins after the file's name."""
 
     content: bytes
     expected: str
@@ -298,13 +360,13 @@ WHOLE_FILES = {
 
 
 @pytest.mark.parametrize("name", WHOLE_FILES)
-def test_files_that_are_no_experiment_are_told(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_that_are_not_experiments_are_refused(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     file = tmp_path / "mine.yaml"
     WHOLE_FILES[name].write(file)
     message = message_of(file)
     assert message.startswith(WHOLE_FILES[name].expected), message
-    assert all(one.isprintable() or one == "\n" for one in message) and len(message) < 30_000
+    assert all(letter.isprintable() or letter == "\n" for letter in message) and len(message) < 30_000
     assert not (tmp_path / "harmed").exists()
 
 
@@ -319,32 +381,8 @@ def test_the_line_endings_and_byte_order_marks_of_other_systems_do_not_matter(
     assert load_experiment(file) == paper
 
 
-@pytest.fixture
-def no_files(tmp_path: Path) -> dict[str, Path]:
-    """What can stand where a file should."""
-    found = {name: tmp_path / name for name in ("folder", "pipe", "socket", "dangling", "loop", "zero", "none", "dots")}
-    found["folder"].mkdir()
-    os.mkfifo(found["pipe"])
-    with socket.socket(socket.AF_UNIX) as server:
-        here = Path.cwd()
-        os.chdir(tmp_path)  # the path of a socket may have some hundred characters only
-        try:
-            server.bind("socket")
-        finally:
-            os.chdir(here)
-    found["dangling"].symlink_to(tmp_path / "nowhere")
-    found["loop"].symlink_to(found["loop"])
-    found["zero"].symlink_to("/dev/zero")
-    found["dots"] = tmp_path / "folder" / ".." / "folder" / "."
-    (tmp_path / "file").write_text("name: x\n")
-    found["below a file"] = tmp_path / "file" / "mine.yaml"
-    found["too long"] = tmp_path / ("x" * 300)
-    found["with NUL"] = tmp_path / "a\0b"
-    return found
-
-
 @pytest.mark.parametrize("load", [load_experiment, load_claims, load_study])
-def test_what_is_no_file_is_refused_at_once(load: Any, no_files: dict[str, Path]) -> None:
+def test_what_is_not_a_file_is_refused_at_once(load: Any, no_files: dict[str, Path]) -> None:
     """A pipe nobody writes to would be waited for, a device be read for ever."""
     for path in no_files.values():
         with pytest.raises(FatplanError, match=r"cannot be read \((is not a file|No such file|File name too long|Too)"):
@@ -396,7 +434,7 @@ BAD_CLAIMS = [
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), BAD_CLAIMS)
-def test_each_bad_file_of_claims_is_told(old: str, new: str, expected: str, tmp_path: Path) -> None:
+def test_each_bad_file_of_claims_is_refused(old: str, new: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "paper.yaml").write_text(TEXT)
     file = tmp_path / "claims.yaml"
     file.write_text(CLAIM)
@@ -467,7 +505,7 @@ BAD_STUDIES = [
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), BAD_STUDIES)
-def test_each_bad_study_is_told(old: str, new: str, expected: str, tmp_path: Path) -> None:
+def test_each_bad_study_is_refused(old: str, new: str, expected: str, tmp_path: Path) -> None:
     (tmp_path / "paper.yaml").write_text(TEXT)
     file = tmp_path / "study.yaml"
     assert old in STUDY
@@ -493,7 +531,7 @@ def test_strength_files_that_build_on_each_other_without_end_are_refused(tmp_pat
 
 
 class Child(NamedTuple):
-    """How a command ended: exit code, what it said on stderr, its processor time and its peak of memory."""
+    """How a command ended: exit code, stderr, processor time and peak memory."""
 
     code: int
     said: str
@@ -533,14 +571,14 @@ def check_end_to_end(files: dict[str, Path], folder: Path) -> None:
         assert child.code == 2, (name, child)
         assert child.said.startswith("Error: ") and "Traceback" not in child.said, (name, child.said)
         assert str(path) in child.said or repr(str(path)) in child.said, (name, child.said)
-        assert all(one.isprintable() or one == "\n" for one in child.said), (name, child.said)
+        assert all(letter.isprintable() or letter == "\n" for letter in child.said), (name, child.said)
         assert child.seconds < good.seconds + MAX_SECONDS / 2, (name, child.seconds, good.seconds)
         assert child.peak_mib < MAX_MIB, (name, child.peak_mib)
 
 
 def written(names: list[str], folder: Path) -> dict[str, Path]:
     """Whole files of these names, written."""
-    return {name: WHOLE_FILES[name].write(folder / f"{place}.yaml") for place, name in enumerate(names)}
+    return {name: WHOLE_FILES[name].write(folder / f"{number}.yaml") for number, name in enumerate(names)}
 
 
 @linux

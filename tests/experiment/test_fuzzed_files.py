@@ -1,43 +1,156 @@
 """Files damaged by chance: each is read, or refused with one message that names a file; none takes long or grows."""
 
-import subprocess
-import sys
+import copy
+import json
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
-import mutations
 import pytest
+from conftest import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mutations import damaged
 
-FAST, ALL = 200, 10_000
-PROCESSES = 2
-# Of a whole process that reads thousands of files, with its libraries, which are half of it.
-MAX_MIB = 300
+from fatigue_planner.core.errors import FatplanError
+from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.study.claims.loader import load_claims
+from fatigue_planner.study.sensitivity.study import load_study
+
+MAX_SECONDS = 2.0
+MAX_MIB = 100  # that a single file may cost
+EXPERIMENTS = ROOT / "experiments"
+# How a file is read, and those that damaged ones are made from; of ten, seven are experiments, and two are claims.
+EXPERIMENT_NAMES = ["paper", "pose_grid", "co_transport", "workers", "hidden_worker", "planners"]
+KINDS: list[tuple[Callable[[Path], object], list[str]]] = [
+    *[(load_experiment, EXPERIMENT_NAMES)] * 7, *[(load_claims, ["paper_claims"])] * 2, (load_study, ["sensitivity"]),
+]  # fmt: skip
+
+SNIPPETS = [
+    b"\x00", b"\xff", b"\xfe\xff", b"\xed\xa0\x80", b"\xc2\x85", "\ufeff".encode(), "\u202e".encode(),
+    "\u2028".encode(), b"!!python/object/apply:os.system [id]", b"!!bool x", b"!<t>", b"!", b"&a ", b"*a", b"<<: ",
+    b"? ", b"- ", b"[", b"{", b"]", b"}", b": ", b"#", b"|\n", b">\n", b"%YAML 9.9\n", b"%TAG ! x\n", b"---\n",
+    b"...\n", b"\t", b"'", b'"', b'"\\ud800"', b'"\\UFFFFFFFF"', b'"\\e[2J"', b"\x1b[31m", b"1e999", b"1e-999", b"-0",
+    b".nan", b"-.inf", b"9" * 400, b"9" * 20000, b"~", b"=", b"0x10", b"{" * 50, b"[" * 3000, b"\r", b"\r\n", b"@",
+    b"`", b"a" * 5000, b"2023-99-99",
+]  # fmt: skip
+WORDS = ["..", "/dev/zero", "paper", "average_man", "random", "pomcp", "lookahead", "exact", "mean", "1e3", "%s{0}", ""]
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text() | st.sampled_from(WORDS)
+VALUES = st.recursive(
+    SCALARS | st.sampled_from([10**9, 10**18, 1e300, "x" * 3000]),
+    lambda inner: (
+        st.lists(inner, max_size=3)
+        | st.dictionaries(st.text(max_size=3) | st.sampled_from(["kind", "from", "to", "count"]), inner, max_size=3)
+    ),
+    max_leaves=5,
+)
+FACTORS = st.sampled_from([1.001, 0.5, 2.0, 100.0, 1e-6, -1.0, 1e9])
 
 
-def test_some_damaged_files_are_read_or_refused(tmp_path: Path) -> None:
-    """The fuzzer must reach both ends, or it says nothing about one of them."""
-    folder = mutations.folder_of_experiments(tmp_path)
-    ends = {number: mutations.read(number, folder) for number in range(FAST)}
-    faults = [mutations.told(number, end) for number, end in ends.items() if end not in mutations.GOOD_ENDS]
-    assert not faults, "\n".join(faults)
-    assert all(list(ends.values()).count(end) >= FAST / 20 for end in mutations.GOOD_ENDS)
+def holders(content: Any) -> Iterator[tuple[Any, Any]]:
+    """Every mapping with a key of it, every list with an index."""
+    for key, value in list(content.items() if isinstance(content, dict) else enumerate(content)):
+        yield content, key
+        if isinstance(value, dict | list):
+            yield from holders(value)
 
 
-def test_damaged_files_are_the_same_for_ever() -> None:
-    """Otherwise a fault could not be found again."""
-    inputs = [mutations.mutated(number) for number in range(40)]
-    assert inputs == [mutations.mutated(number) for number in range(40)]
-    assert len({content for _, content in inputs}) > 35 and {kind for kind, _ in inputs} == set(mutations.LOADERS)
+@st.composite
+def restructured(draw: st.DrawFn, content: Any) -> bytes:
+    """Content as JSON, which is YAML but for two words, with one to three other values, keys or lengths."""
+    content = copy.deepcopy(content)
+    for _ in range(draw(st.sampled_from([1, 1, 1, 2, 3]))):
+        found = list(holders(content)) or [([content], 0)]
+        (holder, key), (other, other_key) = (found[draw(st.integers(0, len(found) - 1))] for _ in range(2))
+        value = holder[key]
+        change = draw(st.sampled_from(["near", "near", "value", "lose", "swap", "rename", "copy"]))
+        if change == "near" and isinstance(value, list):
+            holder[key] = draw(st.sampled_from([value[::-1], value[:1], value * 2]))
+        elif change == "near" and isinstance(value, int | float):
+            holder[key] = type(value)(value * draw(FACTORS)) if abs(value) < 1e9 else -value
+        elif change == "lose":
+            del holder[key]
+        elif change == "swap":
+            holder[key], other[other_key] = copy.deepcopy((other[other_key], value))
+        elif change == "rename" and isinstance(holder, dict):
+            new = draw(st.sampled_from([f"{key}s", key[1:], key.upper(), str(other_key), "\u202e"]) | st.text())
+            holder[new] = holder.pop(key)
+        elif change == "copy":
+            count = min(draw(st.sampled_from([1, 10, 3000])), 1_000_000 // len(json.dumps(value)))
+            if isinstance(holder, dict):
+                holder |= {f"{key}_{number}": value for number in range(count)}
+            else:
+                holder[key:key] = [value] * count
+            content = copy.deepcopy(content)
+        else:
+            holder[key] = draw(VALUES)
+    return json.dumps(content, indent=1).replace("NaN", ".nan").replace("Infinity", ".inf").encode()
 
 
-@pytest.mark.slow
-def test_ten_thousand_damaged_files_are_read_or_refused() -> None:
-    each = ALL // PROCESSES
-    script = str(Path(mutations.__file__))
-    commands = [[sys.executable, script, str(first), str(first + each)] for first in range(0, ALL, each)]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    children = [subprocess.Popen(command, text=True, **pipes) for command in commands]
-    for child in children:
-        said, wrong = child.communicate()
-        assert child.returncode == 0, said + wrong
-        count, peak_mib = map(float, said.split())
-        assert count == each and peak_mib < MAX_MIB
+def peak_mib() -> float:
+    """The most memory this process has had since the peak was reset."""
+    return int(Path("/proc/self/status").read_text().split("VmHWM:")[1].split()[0]) / 1024
+
+
+def end_of(path: Path, load: Callable[[Path], object]) -> str:
+    """What becomes of a file: it is read or refused, as a bad file must be."""
+    Path("/proc/self/clear_refs").write_text("5")  # resets the peak
+    before, begin, message = peak_mib(), time.process_time(), ""
+    try:
+        load(path)
+    except FatplanError as error:
+        message = str(error)
+    assert time.process_time() - begin < MAX_SECONDS
+    assert peak_mib() - before < MAX_MIB
+    if not message:
+        return "read"
+    # a file may name another one, anywhere, that is not a file
+    assert message.startswith(str(path.parent)) or "cannot be read (" in message, message
+    assert all(character.isprintable() or character == "\n" for character in message)
+    assert len(message) < 30_000
+    return "refused"
+
+
+def plain(content: Any) -> Any:
+    """The same with lists in place of tuples."""
+    if isinstance(content, dict):
+        return {key: plain(value) for key, value in content.items()}
+    return [plain(item) for item in content] if isinstance(content, tuple) else content
+
+
+def damages(change: str, path: Path) -> st.SearchStrategy[bytes]:
+    """A file changed in its bytes or in what it says."""
+    if change == "structure":
+        return restructured(plain(read_yaml(path, FatplanError)))
+    text = path.read_bytes()
+    others = [file.read_bytes()[1000:1400] for file in EXPERIMENTS.glob("*.yaml")]
+    return damaged(text, st.integers(0, len(text)), st.sampled_from(SNIPPETS + others) | st.binary(max_size=8))
+
+
+@pytest.mark.parametrize(
+    ("change", "count"),
+    [
+        ("bytes", 100), ("structure", 100),
+        *(pytest.param(change, 5_000, marks=pytest.mark.slow) for change in ("bytes", "structure")),
+    ],
+)  # fmt: skip
+def test_damaged_files_are_read_or_refused(change: str, count: int, tmp_path: Path) -> None:
+    """Both ends must be reached, or this says nothing about one of them."""
+    for file in EXPERIMENTS.glob("*.yaml"):  # so that the damaged files find those they name
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    path = tmp_path / "damaged.yaml"
+    ends = Counter[str]()
+    known = {name: damages(change, EXPERIMENTS / f"{name}.yaml") for _, names in KINDS for name in names}
+
+    @settings(max_examples=count)
+    @given(st.data())
+    def read_or_refuse(data: st.DataObject) -> None:
+        load, names = data.draw(st.sampled_from(KINDS))
+        path.write_bytes(data.draw(known[data.draw(st.sampled_from(names))]))
+        ends[end_of(path, load)] += 1
+
+    read_or_refuse()
+    assert min(ends["read"], ends["refused"]) >= sum(ends.values()) / 50, ends

@@ -14,8 +14,8 @@ from fatigue_planner.experiment.loader import editor_schema, load_experiment
 from fatigue_planner.experiment.schema import Experiment
 
 
-def told(*arguments: object) -> str:
-    """What a valid command says."""
+def output_of(*arguments: object) -> str:
+    """What a valid command prints."""
     done = fatplan(*arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
@@ -23,10 +23,10 @@ def told(*arguments: object) -> str:
 
 @pytest.mark.parametrize("name", ["paper", "pose_grid", "paper_claims", "sensitivity"])
 def test_the_shipped_files_are_valid(name: str) -> None:
-    assert ": ok; " in told("validate", ROOT / "experiments" / f"{name}.yaml")
+    assert ": ok; " in output_of("validate", ROOT / "experiments" / f"{name}.yaml")
 
 
-def test_all_faults_of_form_are_told_at_once(tmp_path: Path) -> None:
+def test_all_faults_of_form_are_reported_at_once(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     file.write_text(
         PAPER.read_text().replace("mass_kg: 75 ", "mass_kg: heavy ").replace("discount: 0.95", "discont: 2")
@@ -35,7 +35,7 @@ def test_all_faults_of_form_are_told_at_once(tmp_path: Path) -> None:
     assert len(lines) == 2 and "workers.average_man.mass_kg = 'heavy'" in lines[0] and "did you mean" in lines[1]
 
 
-def test_all_faults_of_meaning_are_told_at_once(tmp_path: Path) -> None:
+def test_all_faults_of_meaning_are_reported_at_once(tmp_path: Path) -> None:
     file = tmp_path / "mine.yaml"
     text = PAPER.read_text().replace("lumbar_flexion: 0.5", "lumbago: 0.5").replace("z: 1.2}", "z: 2.9}")
     file.write_text(
@@ -49,7 +49,7 @@ def test_all_faults_of_meaning_are_told_at_once(tmp_path: Path) -> None:
         assert piece in str(caught.value)
 
 
-def test_claims_and_studies_are_told_apart(tmp_path: Path) -> None:
+def test_claims_and_studies_are_distinguished(tmp_path: Path) -> None:
     claims = tmp_path / "claims.yaml"
     claims.write_text("experiment: paper.yaml\nclaims: {one: {place: here}}\n")
     assert "claims.one.quote: is missing" in refused(2, "validate", claims)
@@ -69,8 +69,8 @@ def _objects(schema: object) -> list[dict[str, object]]:
 
 def test_the_schema_knows_every_key_of_the_shipped_experiments() -> None:
     found = editor_schema(Experiment)
-    assert all(one["additionalProperties"] is False for one in _objects(found))
-    known = {key for one in _objects(found) for key in one["properties"]}  # type: ignore[attr-defined]
+    assert all(kind["additionalProperties"] is False for kind in _objects(found))
+    known = {key for kind in _objects(found) for key in kind["properties"]}  # type: ignore[attr-defined]
     content = read_yaml(PAPER, ExperimentError)
     assert set(content) <= set(found["properties"]) and set(found["required"]) <= set(content)
     assert set(content["controller"]) | set(content["cycle"]) | set(content["fatigue"]) <= known
@@ -81,18 +81,18 @@ def test_the_schema_knows_every_key_of_the_shipped_experiments() -> None:
 
 @pytest.mark.parametrize("kind", ["experiment", "claims", "study"])
 def test_schemas_are_printed_as_json(kind: str) -> None:
-    printed = json.loads(told("schema", kind))
+    printed = json.loads(output_of("schema", kind))
     assert printed["$schema"].endswith("2020-12/schema") and printed["type"] == "object"
 
 
 def test_a_dry_run_counts_and_writes_nothing(cache_folder: Path, tmp_path: Path) -> None:
     grid = ["--cycles", 5, "--conditions", "single_novice", "--trials", 4, "--policies", "greedy"]
     where = ["--cache", cache_folder, "--results", tmp_path / "r"]
-    first = told("benchmark", PAPER, *where, *grid, "--dry-run")
+    first = output_of("benchmark", PAPER, *where, *grid, "--dry-run")
     assert "1 cell, 4 runs, 20 decisions, 20 of them not in" in " ".join(first.split())
     assert not (tmp_path / "r").exists()
     assert fatplan("benchmark", PAPER, *where, *grid).returncode == 0
-    again = told("benchmark", PAPER, *where, *grid, "--dry-run")
+    again = output_of("benchmark", PAPER, *where, *grid, "--dry-run")
     assert "20 decisions, 0 of them not in" in " ".join(again.split())
 
 
@@ -101,4 +101,4 @@ def test_a_range_of_a_grid_is_valid_where_the_schema_says_so(tmp_path: Path) -> 
     content["actions"]["high"]["right_hand"]["position_m"]["z"] = {"from": 1.0, "to": 1.2, "count": 3}
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump(content))
-    assert "8 reactions" in told("validate", file)
+    assert "8 reactions" in output_of("validate", file)

@@ -1,4 +1,4 @@
-"""The process that reads HDF5: what happens to it does not sample_step to the one that asks."""
+"""The process that reads HDF5: what happens to it does not happen to the process that asks."""
 
 import os
 import signal
@@ -25,12 +25,12 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def slow_content() -> bytes:
-    """What takes HDF5 a part of a second, and 90 MB."""
+    """A file that takes HDF5 a fraction of a second, and 90 MB."""
     return crafted(lambda file: [packed(file, array, ROWS) for array in ARRAYS])
 
 
 def reader() -> int:
-    """The number of the process; started if need be."""
+    """The id of the process, which is started if necessary."""
     assert read_entry(small_entry(), "own").digest == small_reaction().digest
     assert sandbox._READER._process is not None
     return sandbox._READER._process.pid
@@ -201,7 +201,7 @@ def right(rows):
         file["x"] = np.arange(rows) + 0.5
     layout = sandbox.Layout({"x": ("f8", (None,))}, 1000, 10)
     found = [sandbox.read_hdf5(content.getvalue(), layout)["x"] for _ in range(30)]
-    return all(np.array_equal(one, np.arange(rows) + 0.5) for one in found)
+    return all(np.array_equal(values, np.arange(rows) + 0.5) for values in found)
 
 assert right(10)
 first = sandbox._READER._process.pid

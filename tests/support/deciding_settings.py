@@ -4,14 +4,16 @@ EXPERIMENT has every setting that there is, the paper's among them. RULES say, f
 """
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from conftest import PAPER
-from settings_leaves import Leaf
+from settings_leaves import Leaf, Path, leaves
 
-from fatigue_planner.experiment.loader import read_content
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.experiment.loader import parse_experiment, read_content
+from fatigue_planner.experiment.schema import Experiment
 
 Content = dict[str, Any]
 CHOICE = {"kind": "choice", "values": [0.8, 1.25], "probabilities": [0.5, 0.5]}
@@ -29,6 +31,17 @@ def _listed(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _listed(item) for key, item in value.items()}
     return [_listed(item) for item in value] if isinstance(value, tuple | list) else value
+
+
+def parsed(content: Content) -> Experiment:
+    return parse_experiment(_fixed(content), "the experiment")
+
+
+def _fixed(value: Any) -> Any:
+    """The same with tuples in place of lists, as files are read."""
+    if isinstance(value, dict):
+        return {key: _fixed(item) for key, item in value.items()}
+    return tuple(map(_fixed, value)) if isinstance(value, list) else value
 
 
 def _experiment() -> Content:
@@ -78,7 +91,7 @@ def _experiment() -> Content:
     }
     kinds = (CHOICE, LOGNORMAL, UNIFORM)
     content["hidden_workers"] = {
-        f"unknown_{turn}": {name: kinds[(place + turn) % 3] for place, name in enumerate(HIDDEN)} for turn in range(3)
+        f"unknown_{turn}": {name: kinds[(index + turn) % 3] for index, name in enumerate(HIDDEN)} for turn in range(3)
     }
     names = list(content["preferences"])
     content["recognition"] = {name: {other: float(other == name) for other in names} for name in names}
@@ -105,12 +118,14 @@ def _experiment() -> Content:
     content["statistics"]["families"]["search"] = {
         "policies": ["greedy"], "against": ["random"], "conditions": ["single_novice"], "n_cycles": [5],
     }  # fmt: skip
-    for task in (task for one in content["preferences"].values() for task in one["tasks"]):
+    for task in (task for preference in content["preferences"].values() for task in preference["tasks"]):
         task.setdefault("during", PHASES)
-    return _listed(content)  # nothing of it stands in two places
+    return _listed(content)  # nothing of it is shared
 
 
 EXPERIMENT = _experiment()
+WHOLE = parsed(EXPERIMENT)
+LEAVES = list(leaves(WHOLE, Experiment))
 
 
 @dataclass(frozen=True)
@@ -131,7 +146,9 @@ class Rule:
 
 def _conditions(key: str) -> Callable[[str], set[str]]:
     """The conditions that have a value under a key."""
-    return lambda value: {name for name, one in EXPERIMENT["benchmark"]["conditions"].items() if one.get(key) == value}
+    return lambda value: {
+        name for name, condition in EXPERIMENT["benchmark"]["conditions"].items() if condition.get(key) == value
+    }
 
 
 OF_WORKER, OF_START, OF_HIDDEN = map(_conditions, ("worker", "initial_belief", "hidden_worker"))
@@ -147,7 +164,7 @@ RULES = (
     ),
     Rule(
         ("workers.*.strength",),
-        "limits the torques of this worker's motions, and is what fatigue is a share of",
+        "limits the torques of this worker's motions, and is what a load is measured by",
         reactions=lambda leaf, name: name[0] == leaf.path[1],
         cells=lambda leaf, condition, policy: condition in OF_WORKER(leaf.path[1]),
         bounds=lambda leaf, condition: condition in OF_WORKER(leaf.path[1]),
@@ -193,107 +210,60 @@ RULES = (
     Rule(("statistics.*", "figures.*"), "what is made of the runs"),
 )  # fmt: skip
 
-# The only value there is: a kind without another, a path's beginning, the chance of the only start.
-NO_OTHER_VALUE = {
-    "benchmark.reference.kind": "there is no other kind",
-    "actions.*.left_hand.waypoints.[].work_time_s": "a path begins at 0",
-    "actions.*.right_hand.waypoints.[].work_time_s": "a path begins at 0",
-    "initial_beliefs.*.[].probability": "probabilities sum to 1",
-}
+
+def changed(leaf: Leaf) -> Content | None:
+    """The experiment with another valid value at a leaf, and what must change with it; None if there is no other."""
+    for others in _others(leaf):
+        content = copy.deepcopy(EXPERIMENT)
+        for path, value in others.items():
+            inside(content, path[:-1])[path[-1]] = copy.deepcopy(value)
+        if _is_another(content):
+            return content
+    return None
 
 
-def has_no_other_value(leaf: Leaf) -> bool:
-    """Whether this leaf cannot be changed by itself, nor together with its neighbours."""
-    if leaf.name.startswith("actions"):
-        return leaf.path[-2:] == (0, "work_time_s")
-    return leaf.path == ("initial_beliefs", "single", 0, "probability") or leaf.name == "benchmark.reference.kind"
-
-
-# Values of texts that stand for something, and of what is not changed by a tenth.
-OTHER_TEXT = {
-    "name": "other", "strength": "young_man", "worker": {"average_man": "woman", "woman": "average_man"},
-    "initial_belief": {"single": "multiple", "multiple": "single"},
-    "hidden_worker": {"unknown_0": "unknown_1", "unknown_1": "unknown_2", "unknown_2": "unknown_0"},
-}  # fmt: skip
-OTHER_KIND: Mapping[str, Any] = {
-    "loads": {"kind": "mass", "hand": "right", "mass_kg": 2.0},
-    "tasks": {"kind": "joint_posture", "angles_deg": {"elbow_flexion": 30.0}, "weight": 2.0},
-    "policies": {"kind": "lookahead", "depth": 2},
-    "hidden_workers": {"kind": "choice", "values": [1.0, 1.1], "probabilities": [0.3, 0.7]},
-}
-
-
-def changed(leaf: Leaf, content: Content) -> Content:  # noqa: PLR0912 - one case per kind of value
-    """The content with another valid value at a leaf, and at those that must change with it."""
-    content = copy.deepcopy(content)
-    group: Any = content
-    for step in leaf.path[:-1]:
-        group = group[step]
-    key, value = leaf.path[-1], leaf.value
-    if key == "kind":
-        _change_kind(leaf, content)
-    elif leaf.name == "recognition.*.*":
-        other = next(name for name in group if name != key)
-        group.update(dict.fromkeys(group, 0.0) | {key: 0.6, other: 0.4})
-    elif leaf.name == "benchmark.n_cycles.[]":
-        group[key] = value + 1
-        content["statistics"]["families"]["search"]["n_cycles"] = [value + 1]
-    elif leaf.name == "statistics.families.*.n_cycles.[]":
-        group[key] = next(n for n in content["benchmark"]["n_cycles"] if n != value)
-    elif key == "probability" or "probabilities" in leaf.path:
-        siblings = content["initial_beliefs"][leaf.path[1]] if key == "probability" else group
-        place = leaf.path[2] if key == "probability" else key
-        other = (place + 1) % len(siblings)
-        for one, by in ((place, -0.1), (other, 0.1)):
-            if key == "probability":
-                siblings[one]["probability"] += by
-            else:
-                siblings[one] += by
-    elif key in ("knee_flexion", "hip_flexion", "ankle_flexion") and leaf.path[0] == "workers":
-        for joint in ("knee_flexion", "hip_flexion", "ankle_flexion"):  # so that the soles stay flat
-            group[joint] *= 1.5
-    elif "during" in leaf.path:
-        group[:] = [one for one in PHASES if one not in group] or ["work"]
-    elif isinstance(value, bool):
-        group[key] = not value
-    elif leaf.choices:
-        group[key] = next(one for one in leaf.choices if one != value)
-    elif isinstance(value, str):
-        group[key] = _other_text(leaf, content)
-    elif isinstance(value, int):
-        group[key] = value + 1
-    else:
-        group[key] = 0.5 if value in (0, float("inf")) and "expertise" in str(key) else value * 0.9 or 0.01
+def inside(content: Any, path: Path) -> Any:
+    """The part of a content to which a path leads."""
+    for step in path:
+        content = content[step]
     return content
 
 
-def _change_kind(leaf: Leaf, content: Content) -> None:
-    if leaf.path == ("belief", "kind"):
-        content["belief"] = {"kind": "exact"}
-        for hidden in content["hidden_workers"].values():
-            hidden.update(dict.fromkeys(HIDDEN, CHOICE))
-        return
-    group: Any = content
-    for step in leaf.path[:-2]:
-        group = group[step]
-    place = leaf.path[-2]
-    other = next(new for name, new in OTHER_KIND.items() if name in leaf.path)
-    if group[place]["kind"] == other["kind"]:
-        other = {"kind": "random"} if "policies" in leaf.path else UNIFORM if "hidden_workers" in leaf.path else other
-    if "tasks" in leaf.path and group[place]["kind"] == other["kind"]:
-        other = {"kind": "segment_upright", "segment": "thorax", "weight": 2.0}
-    if "loads" in leaf.path and group[place]["kind"] == other["kind"]:
-        other = {"kind": "force", "hand": "left", "frame": "hand", "force_n": [{"cycle_time_s": 0.0, "x": 3.0}]}
-    group[place] = other
+def _is_another(content: Content) -> bool:
+    """Whether this is a valid experiment, and not the same one in other words."""
+    try:
+        return parsed(content) != WHOLE
+    except ExperimentError:
+        return False
 
 
-def _other_text(leaf: Leaf, content: Content) -> str:
-    key = next((str(step) for step in reversed(leaf.path) if str(step) in OTHER_TEXT), None)
-    if key is not None and leaf.path[0] not in ("statistics", "figures"):
-        other = OTHER_TEXT[key]
-        return other if isinstance(other, str) else other[leaf.value]
-    names = content["benchmark"]["conditions" if leaf.value in content["benchmark"]["conditions"] else "policies"]
-    group: Any = content
-    for step in leaf.path[:-1]:
-        group = group[step]
-    return next(name for name in names if name not in group)
+def _others(leaf: Leaf) -> Iterator[Content]:
+    """What may be valid instead, best first: values by their paths."""
+    path, value = leaf.path, leaf.value
+    above = path[:-1]
+    if path[-1] == "kind":
+        union = leaf.name.rpartition(".<")[0]
+        for other in LEAVES:
+            if other.name.startswith(f"{union}.<") and other.path[-1] == "kind" and other.value != value:
+                yield {above: inside(EXPERIMENT, other.path[:-1])}
+        hidden = EXPERIMENT["hidden_workers"]
+        exact = {("hidden_workers", name): dict.fromkeys(HIDDEN, CHOICE) for name in hidden}
+        yield {("belief",): {"kind": "exact"}} | exact if leaf.path[0] == "belief" else {}
+    elif isinstance(value, bool):
+        yield {path: not value}
+    elif isinstance(value, str):
+        yield from ({path: choice} for choice in leaf.choices)
+        yield from ({above: [choice]} for choice in leaf.choices)
+        yield from ({path: other.value} for other in LEAVES if other.name == leaf.name)
+        yield from ({path: name} for part in ("conditions", "policies") for name in EXPERIMENT["benchmark"][part])
+    elif isinstance(value, int):
+        yield {path: value + 1}
+        yield {path: value + 1, ("statistics", "families", "search", "n_cycles"): [value + 1]}
+        yield from ({path: other.value} for other in LEAVES if other.path[-2:-1] == path[-2:-1])
+    else:
+        beside = [other for other in LEAVES if other.name == leaf.name and other.path[:2] == path[:2]]
+        shift = 0.1 if value > 0.1 else -0.1
+        if "natural_posture_deg" in path:
+            yield {other.path: other.value * 0.9 for other in beside}  # the soles stay flat
+        yield from ({path: new} for new in (value * 0.9, 0.01))
+        yield from ({path: value - shift, other.path: other.value + shift} for other in beside if other != leaf)

@@ -23,8 +23,8 @@ class FailingDisk:
     def call(self, name: str) -> bool:
         """Note a call; whether it fails."""
         self.calls.append(name)
-        place = len(self.calls) - 1
-        return self.fails_at is not None and (place == self.fails_at or (self.for_good and place > self.fails_at))
+        index = len(self.calls) - 1
+        return self.fails_at is not None and (index == self.fails_at or (self.for_good and index > self.fails_at))
 
     def error(self, path: Any = None) -> OSError:
         return OSError(self.number, os.strerror(self.number), None if path is None else str(path))

@@ -1,4 +1,4 @@
-"""A small entry of the cache, and what an attacker makes of it."""
+"""A small entry of the cache, and what an attacker could make of it."""
 
 import ctypes
 import io
@@ -12,6 +12,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from hypothesis import strategies as st
+from mutations import damaged
 
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
@@ -27,7 +29,7 @@ def small_reaction() -> Reaction:
     """So few ticks that HDF5's own structures are most of its file."""
     rng = np.random.default_rng(1)
     rows = {name: rng.normal(size=(TICKS, width) if width else TICKS) for name, (width, _, _) in ARRAYS.items()}
-    phases = tuple(Phase(name, 2 * place, 2 * place + 2) for place, name in enumerate(("reach", "work", "return")))
+    phases = tuple(Phase(name, 2 * index, 2 * index + 2) for index, name in enumerate(("reach", "work", "return")))
     numbers = {name: 0.125 for name in Quality.__dataclass_fields__ if name not in NOT_NUMBERS}
     return Reaction(
         ReactionName("anna", "high", "arm"),
@@ -42,7 +44,7 @@ def small_entry() -> bytes:
 
 
 def crafted(change: Callable[[h5py.File], object]) -> bytes:
-    """The small entry, changed by HDF5 itself, with a right seal."""
+    """The small entry, changed by HDF5 itself, with a valid seal."""
     content = io.BytesIO(small_entry())
     with h5py.File(content, "r+") as file:
         change(file)
@@ -50,7 +52,7 @@ def crafted(change: Callable[[h5py.File], object]) -> bytes:
 
 
 def instead(name: str, value: object, **how: object) -> Callable[[h5py.File], object]:
-    """A change that puts another dataset in a dataset's place."""
+    """A change that replaces a dataset by another."""
 
     def change(file: h5py.File) -> None:
         del file[name]
@@ -60,7 +62,7 @@ def instead(name: str, value: object, **how: object) -> Callable[[h5py.File], ob
 
 
 def declared(name: str, shape: tuple[int, ...], dtype: str = "<f8", **how: object) -> Callable[[h5py.File], object]:
-    """A change that puts a dataset there of which only shape and type are declared."""
+    """A change that replaces a dataset by one of which only shape and type are declared."""
 
     def change(file: h5py.File) -> None:
         del file[name]
@@ -82,32 +84,13 @@ def zip_entry(name: bytes, content: bytes, flags: int = 0, method: int = 0, stor
     return head + name + content
 
 
-def mutant(content: bytes, rng: np.random.Generator) -> bytes:
-    """One to four seeded changes behind a renewed seal."""
-    data = bytearray(content)
-    used = 512 + np.flatnonzero(np.frombuffer(content, np.uint8)[512:])  # more hits than in what is empty
-    for _ in range(int(rng.choice([1, 1, 1, 2, 4]))):
-        place = int(rng.choice(used) if rng.random() < 0.7 else rng.integers(512, len(content)))
-        place = min(place, len(data) - 1)
-        length = int(rng.choice([1, 2, 4, 8]))
-        kind = int(rng.integers(8))
-        if kind <= 1:
-            data[place] ^= 1 << int(rng.integers(8))
-        elif kind <= 3:  # an integer at its ends, where HDF5 has most of its numbers: at even places
-            place &= ~(min(length, 2) - 1)
-            data[place : place + length] = bytes([int(rng.choice([0, 0xFF, 0x7F, 0x01, 0x80]))] * length)
-        elif kind == 4:
-            source = int(rng.integers(512, len(data)))
-            many = int(rng.integers(1, 64))
-            data[place : place + many] = data[source : source + many]
-        elif kind == 5 and rng.random() < 0.2:
-            many = int(rng.integers(1, 400))
-            data[place:place] = data[place : place + many]
-        elif kind == 6 and rng.random() < 0.2:
-            del data[max(place, 600) :]
-        else:
-            data[place : place + length] = rng.bytes(length)
-    return sealed(bytes(data))
+def mutants() -> st.SearchStrategy[bytes]:
+    """The small entry, damaged behind a renewed seal; more where it is not empty."""
+    whole = small_entry()
+    used = [512 + index for index, byte in enumerate(whole[512:]) if byte]
+    ends = [bytes([value]) * length for value in (0, 0xFF, 0x7F, 0x01, 0x80) for length in (1, 2, 4, 8)]  # of integers
+    positions = st.sampled_from(used) | st.integers(512, len(whole) - 1)
+    return damaged(whole, positions, st.sampled_from(ends) | st.binary(max_size=8)).map(sealed)
 
 
 def packed_zeros(size: int) -> bytes:
@@ -121,7 +104,7 @@ def packed_zeros(size: int) -> bytes:
 
 
 def packed(file: h5py.File, name: str, rows: int, packed_bytes: int | None = None) -> None:
-    """A dataset of zeros in one packed piece, which may hold more than it should."""
+    """A dataset of zeros in one packed chunk, which may hold more than it should."""
     shape = (rows, *file[name].shape[1:])
     del file[name]
     new = file.create_dataset(name, shape, "<f8", chunks=shape, compression="gzip")

@@ -1,6 +1,6 @@
 """The leaves of settings: those that a schema knows, and those that an experiment has, under the same names.
 
-A name is the path of a key, with * for a key of a mapping, [] for a place in a list and <kind> where settings come in
+A name is the path of a key, with * for a key of a mapping, [] for an index of a list and <kind> where settings come in
 several kinds: `actions.*.loads.[].<mass>.mass_kg`.
 """
 
@@ -56,11 +56,23 @@ def leaves(value: Any, annotation: Any, name: str = "", path: Path = ()) -> Iter
         for key, item in value.items():
             yield from leaves(item, get_args(kinds[0])[1], _join(name, "*"), (*path, key))
     elif isinstance(value, tuple):
-        for place, item in enumerate(value):
-            yield from leaves(item, get_args(kinds[0])[0], _join(name, "[]"), (*path, place))
+        for index, item in enumerate(value):
+            yield from leaves(item, get_args(kinds[0])[0], _join(name, "[]"), (*path, index))
     else:
-        choices = tuple(one for kind in kinds if get_origin(kind) is Literal for one in get_args(kind))
+        choices = tuple(choice for kind in kinds if get_origin(kind) is Literal for choice in get_args(kind))
         yield Leaf(path, name, value, choices)
+
+
+def groups(value: Any, path: Path = ()) -> Iterator[tuple[Path, Settings]]:
+    """Every group of settings in a value, with its path."""
+    below: Any = ()
+    if isinstance(value, Settings):
+        yield path, value
+        below = ((field.alias or key, getattr(value, key)) for key, field in type(value).model_fields.items())
+    elif isinstance(value, dict | tuple):
+        below = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, item in below:
+        yield from groups(item, (*path, key))
 
 
 def _ways(annotation: Any, name: str) -> Iterator[tuple[Any, str]]:
@@ -71,7 +83,7 @@ def _ways(annotation: Any, name: str) -> Iterator[tuple[Any, str]]:
             continue
         annotation = annotation.__value__ if hasattr(annotation, "__value__") else get_args(annotation)[0]
     if get_origin(annotation) in (Union, types.UnionType):
-        kinds = [one for part in get_args(annotation) if part is not type(None) for one, _ in _ways(part, name)]
+        kinds = [kind for part in get_args(annotation) if part is not type(None) for kind, _ in _ways(part, name)]
         several = len(kinds) > 1
         for kind in kinds:
             yield kind, _join(name, f"<{_tag(kind)}>") if several else name

@@ -50,7 +50,7 @@ def small_model(expertise: float, recognition: np.ndarray | None = None) -> Fati
 
 def belief_in(model: FatiguePomdp, fatigue: np.ndarray, weights: Any) -> ExactBelief:
     """The exact belief in fatigues (n, entries)."""
-    return ExactBelief(model, np.array([model.state(one) for one in fatigue]), np.asarray(weights, float))
+    return ExactBelief(model, np.array([model.state(levels) for levels in fatigue]), np.asarray(weights, float))
 
 
 def two_starts(model: FatiguePomdp) -> ExactBelief:

@@ -25,7 +25,7 @@ from fatigue_planner.study.benchmark.selection import Selection, cells, selected
 from fatigue_planner.study.benchmark.store import TrialStore
 
 # kind -> flips in the slow test
-SLOW = {"entry": 400, "bundle": 100, "trials": 200, "bound": 200, "table": 150, "actions": 150, "manifest": 300}
+SLOW = {"entry": 400, "archive": 100, "trials": 200, "bound": 200, "table": 150, "actions": 150, "manifest": 300}
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def kept(
     """One folder with every kind of file."""
     folder = tmp_path_factory.mktemp("kept")
     shutil.copytree(cache_folder, folder / "cache")
-    export_archive(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "bundle.zip", "fatplan simulate")
+    export_archive(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "own.zip", "fatplan simulate")
     publish(small, reactions, folder / "results")
     run_grid(grid[:1], folder / "trials", LocalProcesses(1), lambda cell, n: None)
     run_bounds(grid[:1], folder / "bounds", LocalProcesses(1), lambda: None)
@@ -62,14 +62,14 @@ class Noticed:
 
     def path(self, kind: str) -> Path:
         files = {
-            "entry": "cache/*.h5", "bundle": "bundle.zip", "trials": "trials/*/*.json", "bound": "bounds/*.json",
+            "entry": "cache/*.h5", "archive": "own.zip", "trials": "trials/*/*.json", "bound": "bounds/*.json",
             "table": "results/trials.csv", "actions": "results/actions.csv", "manifest": "results/manifest.json",
         }  # fmt: skip
         return sorted(self.folder.glob(files[kind]))[0]
 
     def by(self, kind: str) -> bool:
         ways: dict[str, Callable[[], object]] = {
-            "entry": self._entry, "bundle": self._bundle, "trials": self._trials, "bound": self._bound,
+            "entry": self._entry, "archive": self._archive, "trials": self._trials, "bound": self._bound,
         }  # fmt: skip
         try:
             return bool(ways.get(kind, self._results)())
@@ -80,14 +80,14 @@ class Noticed:
         ReactionCache(self.folder / "cache").read(self.path("entry"))
         return False
 
-    def _bundle(self) -> bool:
-        """Refused; or the flip is in the list of contents at its end, which is not read, and what comes in is right."""
+    def _archive(self) -> bool:
+        """Refused; or the flip is in the table of contents at the end, which is not read, and the import is right."""
         into = ReactionCache(self.folder / "into")
-        (one,) = import_archive(self.path("bundle"), into)
-        if one.path is None:
+        (entry,) = import_archive(self.path("archive"), into)
+        if entry.path is None:
             return True
-        original = self.folder / "cache" / one.path.name
-        return one.path.read_bytes() == original.read_bytes()
+        original = self.folder / "cache" / entry.path.name
+        return entry.path.read_bytes() == original.read_bytes()
 
     def _trials(self) -> bool:
         store = TrialStore(self.folder / "trials")
@@ -108,16 +108,16 @@ class Noticed:
         return False
 
 
-def flip(noticed: Noticed, kind: str, many: int, seed: int) -> None:
+def flip(noticed: Noticed, kind: str, count: int, seed: int) -> None:
     path, rng = noticed.path(kind), np.random.default_rng(seed)
     whole = path.read_bytes()
-    assert kind == "bundle" or not noticed.by(kind), "sound, and called damaged"
-    for _ in range(many):
-        place, bit = int(rng.integers(len(whole))), int(rng.integers(8))
+    assert kind == "archive" or not noticed.by(kind), "intact, but called damaged"
+    for _ in range(count):
+        index, bit = int(rng.integers(len(whole))), int(rng.integers(8))
         data = bytearray(whole)
-        data[place] ^= 1 << bit
+        data[index] ^= 1 << bit
         path.write_bytes(data)
-        assert noticed.by(kind), f"bit {bit} of byte {place} of {path.name}"
+        assert noticed.by(kind), f"bit {bit} of byte {index} of {path.name}"
     path.write_bytes(whole)
 
 
@@ -140,9 +140,9 @@ def test_a_damaged_entry_is_refused_before_hdf5_sees_it(kept: Path, monkeypatch:
     whole = path.read_bytes()
     seen: list[int] = []
     monkeypatch.setattr(hdf5_layout, "read_hdf5", lambda content, layout: seen.append(len(content)))
-    for place in (0, 20, 511, 512, 600, len(whole) - 1):
+    for index in (0, 20, 511, 512, 600, len(whole) - 1):
         data = bytearray(whole)
-        data[place] ^= 1
+        data[index] ^= 1
         with pytest.raises(FatplanError):
             hdf5_layout.read_entry(bytes(data), "f")
     assert seen == []

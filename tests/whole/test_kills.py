@@ -23,32 +23,32 @@ FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run
 class Command:
     """A command that writes below a folder, and how long it takes undisturbed."""
 
-    def __init__(self, words: list[str], option: str, folder: Path) -> None:
-        self.words, self.option = words, option
+    def __init__(self, arguments: list[str], option: str, folder: Path) -> None:
+        self.arguments, self.option = arguments, option
         begin = time.perf_counter()
         self.expected = self.run(folder / "first")
         self.seconds = time.perf_counter() - begin
         assert len(self.expected) > 2
 
     def start(self, folder: Path) -> subprocess.Popen[bytes]:
-        command = [*FATPLAN, *self.words, self.option, str(folder), "--jobs", "1"]
+        command = [*FATPLAN, *self.arguments, self.option, str(folder), "--jobs", "1"]
         return subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
     def run(self, folder: Path) -> dict[str, bytes]:
         """Run to the end; what it leaves."""
         process = self.start(folder)
-        _, told = process.communicate()
-        assert process.returncode == 0, told.decode()
+        _, stderr = process.communicate()
+        assert process.returncode == 0, stderr.decode()
         return visible(folder)
 
-    def kill(self, folder: Path, share: float) -> bool:
-        """Run and kill with all its processes after a share of its time; whether it had not ended before.
+    def kill(self, folder: Path, fraction: float) -> bool:
+        """Run and kill with all its processes after a fraction of its time; whether it had not ended before.
 
-        One that had was quicker than those before: it finds more, or the machine is less busy now.
+        A run that had was quicker than those before: it finds more, or the machine is less busy now.
         """
         process, begin = self.start(folder), time.perf_counter()
         try:
-            process.communicate(timeout=share * self.seconds)
+            process.communicate(timeout=fraction * self.seconds)
             self.seconds = time.perf_counter() - begin
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
@@ -59,15 +59,15 @@ class Command:
 
 @pytest.fixture(scope="module")
 def commands(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Command]:
-    """Both commands on what is quick, so that many kills are."""
+    """Both commands on a quick experiment, so that there can be many kills."""
     folder = tmp_path_factory.mktemp("commands")
     experiment = yaml.safe_load(PAPER.read_text())
     high = experiment["actions"]["high"]["right_hand"]
     experiment |= {"name": "quick", "cycle": {"reach_s": 1.0, "work_s": 0.2, "return_s": 1.0}, "actions": {}}
-    for place in range(3):
-        position = high["position_m"] | {"z": 1.2 + place / 100}
-        # a copy, as YAML would else refer to what stands in two places
-        experiment["actions"][f"high{place}"] = copy.deepcopy({"right_hand": high | {"position_m": position}})
+    for number in range(3):
+        position = high["position_m"] | {"z": 1.2 + number / 100}
+        # a copy, as YAML would otherwise use an alias
+        experiment["actions"][f"high{number}"] = copy.deepcopy({"right_hand": high | {"position_m": position}})
     experiment["preferences"].pop("back")
     experiment["accuracy"] = {key: float(value) for key, value in experiment["accuracy"].items()}
     experiment["accuracy"]["hand_error_m"] = 0.05
@@ -103,9 +103,9 @@ def test_a_run_killed_at_any_moment_goes_on_to_the_same_bytes(
             after = visible(folder)
             stored = {path for path in before if "parts" in path or path.endswith(".h5")}
             assert all(after.get(path) == before[path] for path in stored)
-        forsaken = leave_behind(folder, command)
+        abandoned = leave_behind(folder, command)
         ended = command.run(folder)
-        assert not any(path.exists() for path in forsaken)
+        assert not any(path.exists() for path in abandoned)
         assert_whole(folder)
         assert tables(ended) == tables(command.expected)
         assert stored_rows(ended) == stored_rows(command.expected)
@@ -113,12 +113,12 @@ def test_a_run_killed_at_any_moment_goes_on_to_the_same_bytes(
 
 
 def tables(found: dict[str, bytes]) -> dict[str, bytes]:
-    """All but the parts, which may be cut otherwise when a run goes on."""
+    """All but the parts, which may be divided differently when a run goes on."""
     return {path: content for path, content in found.items() if "/parts/" not in path}
 
 
 def stored_rows(found: dict[str, bytes]) -> list[str]:
-    """The rows of all parts, with the folder they are in: each stands once."""
+    """The rows of all parts, with the folder they are in: each is there once."""
     return sorted(
         f"{Path(path).parent.name} {json.dumps(row)}"
         for path, content in found.items()
@@ -132,8 +132,8 @@ def leave_behind(folder: Path, command: Command) -> list[Path]:
     if command.option == "--cache":  # which `fatplan cache gc` cleans
         return []
     results = [(folder / path).parent for path in command.expected if path.endswith("trials.csv")]
-    left = [place / f".x.fatplan-unfinished-{0:016x}.csv" for place in results]
-    left += [folder / "quick" / place / f".0-4.fatplan-unfinished-{0:016x}.json" for place in ("parts/0", "bounds")]
+    left = [parent / f".x.fatplan-unfinished-{0:016x}.csv" for parent in results]
+    left += [folder / "quick" / below / f".0-4.fatplan-unfinished-{0:016x}.json" for below in ("parts/0", "bounds")]
     for path in left:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("{")

@@ -34,9 +34,9 @@ if __name__ == "__main__":
     _, paper, cache, out, trials = sys.argv
     experiment = load_experiment(Path(paper))
     grid = selected(experiment, Selection([100], ["single_novice"], ["random"], int(trials), None, None))
-    one = cells(grid, load_cycle_profiles(experiment, Path(cache), "fatplan simulate"))
-    results, _ = run_grid(one, Path(out), LocalProcesses(1), lambda job, n: None)
-    publish_table(Path(out), trial_table(one, results), [TRIALS_FILE, ACTIONS_FILE])
+    own = cells(grid, load_cycle_profiles(experiment, Path(cache), "fatplan simulate"))
+    results, _ = run_grid(own, Path(out), LocalProcesses(1), lambda job, n: None)
+    publish_table(Path(out), trial_table(own, results), [TRIALS_FILE, ACTIONS_FILE])
 """
 SIMULATE = """
 import sys
@@ -48,14 +48,14 @@ from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import ReactionCache
 
 if __name__ == "__main__":
-    _, paper, out, places = sys.argv
+    _, paper, out, count = sys.argv
     experiment = load_experiment(Path(paper))
     high = experiment.actions["high"]
     actions = {}
-    for place in range(int(places)):
-        position = Position(x=0.5, y=-0.25, z=1.2 + place / 1000)
+    for number in range(int(count)):
+        position = Position(x=0.5, y=-0.25, z=1.2 + number / 1000)
         goal = high.right_hand.model_copy(update={"position_m": position})
-        actions[f"high{place}"] = high.model_copy(update={"right_hand": goal})
+        actions[f"high{number}"] = high.model_copy(update={"right_hand": goal})
     brief = experiment.model_copy(
         update={
             "cycle": Cycle(reach_s=1.0, work_s=0.2, return_s=1.0), "actions": actions,
@@ -74,8 +74,8 @@ def peaks(program: str, folder: Path, *arguments: object) -> tuple[int, int]:
     (folder / "program.py").write_text("from pathlib import Path" + program + "".join(f"    {x}\n" for x in
                                        PEAKS.strip().splitlines()))  # fmt: skip
     command = [sys.executable, str(folder / "program.py"), *map(str, arguments)]
-    told = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
-    own, workers = json.loads(told.splitlines()[-1])
+    printed = subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    own, workers = json.loads(printed.splitlines()[-1])
     return own, workers
 
 

@@ -64,8 +64,8 @@ def fatplan(command: str, experiment: Path, folder: Path, *options: str) -> subp
 
 
 def to_the_end(process: subprocess.Popen[str]) -> None:
-    _, told = process.communicate()
-    assert process.returncode == 0, told
+    _, stderr = process.communicate()
+    assert process.returncode == 0, stderr
 
 
 def hash_of(folder: Path) -> str:
@@ -147,10 +147,10 @@ def test_without_its_scheduler_it_ends_in_one_message_and_goes_on_here(
             assert broken.poll() is None
             time.sleep(0.05)
         one.scheduler.kill()
-        _, told = broken.communicate(timeout=60)
+        _, stderr = broken.communicate(timeout=60)
     assert broken.returncode == 3
-    assert told.count("Error: ") == 1 and "Traceback" not in told
-    assert "the connection to the Dask scheduler is lost. What is finished is kept" in told
+    assert stderr.count("Error: ") == 1 and "Traceback" not in stderr
+    assert "the connection to the Dask scheduler is lost. What is finished is kept" in stderr
     assert not (tmp_path / "results" / "small" / "trials.csv").exists()
     to_the_end(fatplan("benchmark", small, tmp_path, "--jobs", "2"))
     assert hash_of(tmp_path) == expected

@@ -20,7 +20,7 @@ from planted_faults import FAULTS, Fault
 
 PARTS = ("fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md")
 MAX_SECONDS = 900
-# How a message begins where a test has found another result than it demands; anything else is a broken program.
+# How a message begins where a test found another result than it expects; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
 
 
@@ -71,7 +71,7 @@ def run_tests(folder: Path, tests: list[str]) -> list[Ran]:
 
 
 def test_every_fault_can_still_be_planted() -> None:
-    """The old text stands once, the new one is Python, and the tests are there."""
+    """The old text is found once, the new one is Python, and the tests exist."""
     assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 26
     for fault in FAULTS:
         text = (ROOT / "fatigue_planner" / fault.file).read_text(encoding="utf-8")
@@ -86,8 +86,8 @@ def test_every_fault_can_still_be_planted() -> None:
 @pytest.mark.slow
 def test_without_a_fault_the_tests_pass(copy: Path) -> None:
     ran = run_tests(copy, sorted({test for fault in FAULTS for test in fault.tests}))
-    assert not [one for one in ran if one.failure]
-    assert {one.name.partition("[")[0] for one in ran} == {
+    assert not [test for test in ran if test.failure]
+    assert {test.name.partition("[")[0] for test in ran} == {
         test.partition("[")[0].split("::")[1] for fault in FAULTS for test in fault.tests
     }
 
@@ -99,7 +99,7 @@ def test_a_planted_fault_is_seen(copy: Path, fault: Fault, record_property: Call
     text = path.read_text(encoding="utf-8")
     assert text.count(fault.old) == 1
     path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
-    failures = [one for one in run_tests(copy, list(fault.tests)) if one.failure]
+    failures = [test for test in run_tests(copy, list(fault.tests)) if test.failure]
     assert failures, f"{fault.name}: no test fails"
-    assert all(FOUND.match(one.failure) for one in failures), failures
+    assert all(FOUND.match(test.failure) for test in failures), failures
     record_property("seen by", failures[0].name)

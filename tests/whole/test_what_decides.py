@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from conftest import PAPER, ROOT
-from deciding_settings import EXPERIMENT, NO_OTHER_VALUE, RULES, Content, Rule, changed, has_no_other_value
+from deciding_settings import EXPERIMENT, LEAVES, RULES, Content, Rule, changed, parsed
 from numpy.typing import NDArray
 from settings_leaves import Leaf, leaves, schema_leaves
 
@@ -26,7 +25,7 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.files import PACKAGE, digest_of, digests_of_package
 from fatigue_planner.experiment import build
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
-from fatigue_planner.experiment.loader import load_experiment, parse_experiment
+from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.simulator import simulate
@@ -39,17 +38,6 @@ from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
 SECTIONS = list(Experiment.model_fields)
-
-
-def parsed(content: Content) -> Experiment:
-    return parse_experiment(_fixed(content), "the experiment")
-
-
-def _fixed(value: Any) -> Any:
-    """The same with tuples in place of lists, as files are read."""
-    if isinstance(value, dict):
-        return {key: _fixed(item) for key, item in value.items()}
-    return tuple(map(_fixed, value)) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)
@@ -66,7 +54,7 @@ class Keys:
 def moved(reactions: tuple[Reaction, ...]) -> tuple[Reaction, ...]:
     """A motion for every name of the experiment: the paper's four in turn."""
     names = [request.name for request in reaction_requests(parsed(EXPERIMENT))]
-    return tuple(replace(reactions[place % len(reactions)], name=name) for place, name in enumerate(names))
+    return tuple(replace(reactions[index % len(reactions)], name=name) for index, name in enumerate(names))
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +64,9 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
 
     def keys(content: Content) -> Keys:
         experiment = parsed(content)
-        what_tires = digest_of([experiment.fatigue.plain(), [one.strength for one in experiment.workers.values()]])
+        what_tires = digest_of(
+            [experiment.fatigue.plain(), [worker.strength for worker in experiment.workers.values()]]
+        )
         if what_tires not in known:
             known[what_tires] = cycle_profiles(experiment, moved)
         all_cells = cells(experiment, known[what_tires])
@@ -87,7 +77,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             {tuple(request.name): request.digest for request in reaction_requests(experiment)},
             {name: cell.digest() for name, cell in named.items()},
             {name: RegretJob(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
-            {place: bound_digest(one, place[1]) for place, one in scenarios.items() if one.prior is None},
+            {name: bound_digest(scenario, name[1]) for name, scenario in scenarios.items() if scenario.prior is None},
         )
 
     with pytest.MonkeyPatch.context() as patch:
@@ -105,31 +95,29 @@ def _pattern(name: str) -> str:
     return name.replace("[", "[[]")
 
 
-def _leaves() -> Iterator[Leaf]:
-    """All that the paper's experiment has, and of what it has not the first of every name."""
+def _leaves() -> list[Leaf]:
+    """All that the paper's experiment has, and of what it has not the last of every name."""
     papers = {leaf.path for leaf in leaves(load_experiment(PAPER), Experiment)}
-    seen = set()
-    for leaf in leaves(parsed(EXPERIMENT), Experiment):
-        if leaf.path in papers or leaf.name not in seen or leaf.name in NO_OTHER_VALUE:
-            seen.add(leaf.name)
-            yield leaf
+    last = {leaf.name: leaf for leaf in LEAVES}.values()
+    return [leaf for leaf in LEAVES if leaf.path in papers or leaf in last]
 
 
-EVERY_LEAF = list(_leaves())
+EVERY_LEAF = _leaves()
+
+
+@cache
+def change_of(leaf: Leaf) -> Content | None:
+    return changed(leaf)
 
 
 def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
     # the other kind of belief is what the belief's kind is changed to
     assert {leaf.name for leaf in EVERY_LEAF} | {"belief.<exact>.kind"} == schema_leaves(Experiment)
     assert {rule_of(leaf).why for leaf in EVERY_LEAF} == {rule.why for rule in RULES}
-    paper = load_experiment(PAPER)
-    ours = {leaf.path for leaf in EVERY_LEAF if not has_no_other_value(leaf)}
-    missing = [leaf.path for leaf in leaves(paper, Experiment) if leaf.path not in ours]
-    # a chance that can only be 1, and one length of three, which would be as the others
-    assert missing == [("initial_beliefs", "single", 0, "probability"), ("benchmark", "n_cycles", 2)]
-    assert {leaf.name for leaf in EVERY_LEAF} - {leaf.name for leaf in EVERY_LEAF if not has_no_other_value(leaf)} == {
-        "benchmark.reference.kind"
-    }
+    unchanged = {leaf.path for leaf in EVERY_LEAF if change_of(leaf) is None}
+    assert unchanged == {("initial_beliefs", "single", 0, "probability"), ("benchmark", "reference", "kind")}
+    missing = {leaf.path for leaf in leaves(load_experiment(PAPER), Experiment)} - {leaf.path for leaf in EVERY_LEAF}
+    assert missing == {("benchmark", "n_cycles", 2)}  # one length of three, which would be as the others
 
 
 @pytest.mark.parametrize("section", SECTIONS)
@@ -138,9 +126,10 @@ def test_a_setting_changes_the_keys_of_what_it_decides_and_no_other(
 ) -> None:
     base = keys_of(EXPERIMENT)
     for leaf in EVERY_LEAF:
-        if leaf.path[0] != section or has_no_other_value(leaf):
+        content = change_of(leaf) if leaf.path[0] == section else None
+        if content is None:
             continue
-        rule, now = rule_of(leaf), keys_of(changed(leaf, EXPERIMENT))
+        rule, now = rule_of(leaf), keys_of(content)
         expected = (
             {name for name in base.reactions if rule.reactions(leaf, name)},
             {name for name in base.cells if rule.cells(leaf, name[0], name[2])},
@@ -188,11 +177,11 @@ def test_a_strength_set_counts_by_its_values_not_by_its_name(
         assert (now.reactions == base.reactions) is same
 
 
-def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None:
+def test_keys_know_nothing_of_folder_time_and_environment(tmp_path: Path) -> None:
     program = (
         "import sys\n"
-        f"sys.path[:0] = {[str(ROOT / 'tests' / part) for part in ('', 'support', 'whole')]!r}\n"
-        "from test_what_decides import parsed, EXPERIMENT\n"
+        f"sys.path[:0] = {[str(ROOT / 'tests' / part) for part in ('', 'support')]!r}\n"
+        "from deciding_settings import parsed, EXPERIMENT\n"
         "from fatigue_planner.experiment.build import reaction_requests\n"
         "experiment = parsed(EXPERIMENT)\n"
         "print([request.digest for request in reaction_requests(experiment)])\n"
@@ -201,16 +190,16 @@ def test_keys_know_nothing_of_place_time_and_environment(tmp_path: Path) -> None
         "from fatigue_planner.core.provenance import versions_of\n"
         "print(digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES))\n"
     )
-    told = set()
-    for place, (zone, seed, language) in enumerate((("UTC", "1", "C"), ("Asia/Tokyo", "2", "C.UTF-8"))):
-        folder = tmp_path / str(place)
+    printed = set()
+    for number, (zone, seed, language) in enumerate((("UTC", "1", "C"), ("Asia/Tokyo", "2", "C.UTF-8"))):
+        folder = tmp_path / str(number)
         folder.mkdir()
         environment = os.environ | {
-            "TZ": zone, "PYTHONHASHSEED": seed, "LC_ALL": language, "USER": f"user{place}", "HOSTNAME": f"host{place}",
+            "TZ": zone, "PYTHONHASHSEED": seed, "LC_ALL": language, "USER": f"u{number}", "HOSTNAME": f"h{number}",
         }  # fmt: skip
         command = [sys.executable, "-c", program]
-        told.add(subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True).stdout)
-    assert len(told) == 1
+        printed.add(subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True).stdout)
+    assert len(printed) == 1
 
 
 # --- sources ---------------------------------------------------------------------------------------------------
@@ -378,12 +367,13 @@ def test_a_setting_of_the_motion_changes_a_motion_indeed(section: str) -> None:
     first = {request.name: request for request in reaction_requests(parsed(EXPERIMENT))}
     tried = 0
     for leaf in EVERY_LEAF:
-        if leaf.path[0] != section or has_no_other_value(leaf):
+        content = change_of(leaf) if leaf.path[0] == section else None
+        if content is None:
             continue
         rule = rule_of(leaf)
         free = any(fnmatch.fnmatchcase(leaf.name, name) for name in OFTEN_WITHOUT_EFFECT)
         decided = [name for name in first if rule.reactions(leaf, name)]
-        requests = {request.name: request for request in reaction_requests(parsed(changed(leaf, EXPERIMENT)))}
+        requests = {request.name: request for request in reaction_requests(parsed(content))}
         for name in decided[:2] if free else decided:
             before = torques(first[name])
             if before is None:  # cannot be performed
@@ -408,13 +398,13 @@ def test_what_decides_nothing_changes_nothing(moved: tuple[Reaction, ...], tmp_p
     other["accuracy"]["hand_error_m"] = 0.5
     other["statistics"]["significance_level"] = 0.01
     other["figures"] = {}
-    told = []
-    for place, one in enumerate((content, other)):
-        experiment = parsed(one)
+    found = []
+    for number, settings in enumerate((content, other)):
+        experiment = parsed(settings)
         grid_cells = cells(experiment, cycle_profiles(experiment, moved))
-        results, _ = run_grid(grid_cells, tmp_path / str(place), LocalProcesses(1), lambda job, n: None)
+        results, _ = run_grid(grid_cells, tmp_path / str(number), LocalProcesses(1), lambda job, n: None)
         outcomes = [
             cell.outcome(result) for cell, done in zip(grid_cells, results, strict=True) for result in done.values()
         ]
-        told.append((outcomes, sorted(path.parent.name for path in (tmp_path / str(place)).rglob("*.json"))))
-    assert told[0] == told[1]
+        found.append((outcomes, sorted(path.parent.name for path in (tmp_path / str(number)).rglob("*.json"))))
+    assert found[0] == found[1]
