@@ -26,10 +26,10 @@ from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import publish_csv, publish_text, remove, writable_folder
 from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+from fatigue_planner.core.text import counted
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.output.reports.html.blocks import counted
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.planners.settings import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests

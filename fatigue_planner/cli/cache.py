@@ -36,9 +36,9 @@ from fatigue_planner.cli.output import Json, present
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.errors import ExitCode, MissingReactionsError
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.text import counted
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.output.reports.html.blocks import counted
 from fatigue_planner.reactions.archive import export_archive, import_archive
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.cache_miss import Miss, explain

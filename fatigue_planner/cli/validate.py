@@ -9,8 +9,8 @@ import typer
 from fatigue_planner.cli.json_output import Fault, Validation
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.text import counted
 from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.output.reports.html.blocks import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment

@@ -12,23 +12,13 @@ from published import COMMAND, publish
 
 from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import publish_manifest
+from fatigue_planner.core.text import listing, percent, percent_range, significant
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import ENTRIES, JOINT_GROUPS, highest_fatigue
 from fatigue_planner.output.figures.estimates import estimate_table
 from fatigue_planner.output.figures.fatigue_course import fatigue_table
-from fatigue_planner.output.reports.html.blocks import (
-    Code,
-    Picture,
-    Points,
-    Section,
-    Table,
-    Text,
-    listing,
-    percent,
-    percent_range,
-    significant,
-)
+from fatigue_planner.output.reports.html.blocks import Code, Picture, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_text
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
@@ -223,8 +213,8 @@ def test_blocks_are_escaped_and_numbered() -> None:
 
 def test_words() -> None:
     assert (significant(-0.00123456), significant(float("nan"))) == ("−0.00123", "n/a")
-    assert (percent(0.12345, 1), percent(-0.5, 0), percent(float("nan"))) == ("12.3\u00a0%", "−50\u00a0%", "n/a")
-    assert percent_range(-0.01, 0.02, 0) == "−1 to 2\u00a0%"
+    assert (percent(0.12345, 1), percent(-0.5, 0), percent(float("nan"))) == ("12.3 %", "−50 %", "n/a")
+    assert percent_range(-0.01, 0.02, 0) == "−1 to 2 %"
     assert [listing(items) for items in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
 
 

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import look, new_figure
 from fatigue_planner.study.statistics.contrast import contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of
 
@@ -46,8 +47,8 @@ def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str])
         for column, n_cycles in enumerate(lengths):
             cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
             _panel(axes[row, column], cell, margin, shown, list(policies))
-            axes[row, column].set_title(f"{words(str(condition))}, {n_cycles} cycles")
-    anchor = words(str(table["anchor"].iloc[0]))
+            axes[row, column].set_title(f"{format_label(str(condition))}, {n_cycles} cycles")
+    anchor = format_label(str(table["anchor"].iloc[0]))
     figure.supxlabel(
         f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, as good as equal)", fontsize=9
     )
@@ -65,5 +66,5 @@ def _panel(axes: Axes, cell: pd.DataFrame, margin: float, shown: Sequence[str], 
         marker, colour = look(policies.index(policy))
         error = None if np.isnan(low) else [[centre - low], [high - centre]]
         axes.errorbar(centre, place, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)
-    axes.set_yticks(range(len(shown)), [words(policy) for policy in shown])
+    axes.set_yticks(range(len(shown)), [format_label(policy) for policy in shown])
     axes.set_ylim(len(shown) - 0.5, -0.5)

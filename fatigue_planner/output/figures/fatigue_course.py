@@ -7,8 +7,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.parameters import highest_fatigue
-from fatigue_planner.output.figures.style import LINES, look, new_figure, words
+from fatigue_planner.output.figures.style import LINES, look, new_figure
 
 Array = NDArray[np.float64]
 
@@ -62,12 +63,12 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
                 panel.plot(
                     line["cycle"], trend, color=colour, marker=marker, markersize=3.5,
                     markevery=(place * every // len(policies), every), linewidth=1, linestyle=LINES[place % len(LINES)],
-                    label=words(policy),
+                    label=format_label(policy),
                 )  # fmt: skip
             if row == 0:
-                panel.set_title(words(group))
+                panel.set_title(format_label(group))
             if column == 0:
-                panel.set_ylabel(words(condition))
+                panel.set_ylabel(format_label(condition))
     for panel in axes[-1]:
         panel.set_xlabel("cycle")
     figure.supylabel("fatigue, mean over runs", fontsize=9)

@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import COLOURS, new_figure
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
 
@@ -34,8 +35,8 @@ def trend_figure(table: pd.DataFrame, factors: Mapping[str, FactorSettings], bas
         for column, (name, factor) in enumerate(factors.items()):
             _panel(axes[row, column], own, name, factor)
             if row == len(baselines) - 1:
-                axes[row, column].set_xlabel(words(name))
-        axes[row, 0].set_ylabel(f"gain over {words(baseline)}, %")
+                axes[row, column].set_xlabel(format_label(name))
+        axes[row, 0].set_ylabel(f"gain over {format_label(baseline)}, %")
     axes[0, -1].legend(frameon=False, fontsize=7)
     return figure
 
@@ -46,7 +47,9 @@ def _panel(axes: Axes, table: pd.DataFrame, name: str, factor: FactorSettings) -
         # spread over the width of a level in the order of the points
         spread = np.linspace(-0.25, 0.25, len(table)) if len(table) > 1 else np.zeros(len(table))
         across = np.array([names.index(str(level)) for level in table[name]]) + spread
-        axes.set_xticks(range(len(names)), [words(level) for level in names], rotation=30, ha="right", fontsize=7)
+        axes.set_xticks(
+            range(len(names)), [format_label(level) for level in names], rotation=30, ha="right", fontsize=7
+        )
     else:
         across = table[name].to_numpy(dtype=float)
         if isinstance(factor, SpanSettings) and factor.scale == "log":

@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import COLOURS, new_figure
 
 HATCHES = ("", "///", "...", "xx")
 
@@ -26,11 +27,11 @@ def importance_figure(table: pd.DataFrame, baselines: Sequence[str]) -> Figure:
         places = np.arange(len(factors)) + (number - (len(baselines) - 1) / 2) * height
         axes.barh(
             places, own["share"], height, color=COLOURS[number % len(COLOURS)], edgecolor="white",
-            hatch=HATCHES[number % len(HATCHES)], label=f"over {words(baseline)}",
+            hatch=HATCHES[number % len(HATCHES)], label=f"over {format_label(baseline)}",
         )  # fmt: skip
         axes.hlines(places, own["share_low"], own["share_high"], color="black", linewidth=0.8)
     axes.axvline(0, color="0.3", linewidth=0.8)
-    axes.set_yticks(range(len(factors)), [words(factor) for factor in factors])
+    axes.set_yticks(range(len(factors)), [format_label(factor) for factor in factors])
     axes.invert_yaxis()
     axes.set_xlabel("variance of the gain that the setting alone explains, % (95 % bootstrap interval)")
     axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(baselines))

@@ -9,7 +9,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import new_figure
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 
 RUNS = 20  # shown of each cell
@@ -38,13 +39,13 @@ def raster_figure(table: pd.DataFrame, action_names: Sequence[str], policies: Se
             panel.imshow(image, cmap=colours, norm=norm, aspect="auto", interpolation="nearest", extent=extent)
             panel.set_yticks([])
             if row == 0:
-                panel.set_title(words(condition))
+                panel.set_title(format_label(condition))
             if column == 0:
-                panel.set_ylabel(words(policy), rotation=0, ha="right", va="center")
+                panel.set_ylabel(format_label(policy), rotation=0, ha="right", va="center")
     figure.supxlabel("cycle", fontsize=9)
     if len(action_names) <= MANY:
         patches = [
-            Patch(facecolor=shade, edgecolor="0.4", label=words(name))
+            Patch(facecolor=shade, edgecolor="0.4", label=format_label(name))
             for shade, name in zip(shades, action_names, strict=False)
         ]
         figure.legend(handles=patches, loc="outside upper center", ncols=len(patches), frameon=False, fontsize=8)

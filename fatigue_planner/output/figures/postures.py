@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import loads
 from fatigue_planner.fatigue.parameters import FatigueParameters, joint_shares
 from fatigue_planner.human.model import Human
@@ -20,7 +21,7 @@ from fatigue_planner.output.figures.human_drawing import (
     draw_load_scale,
     landmarks,
 )
-from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.output.figures.style import new_figure
 from fatigue_planner.reactions.reaction import Reaction
 
 Vector = NDArray[np.float64]
@@ -54,9 +55,9 @@ def posture_figure(
             if few and column == 0:
                 panel.text(-0.05, 0.5, view.name, transform=panel.transAxes, rotation=90, va="center")
             discs = draw_joint_loads(panel, points, shares, view)
-        title = f"{words(reaction.name.action)}, {words(reaction.name.preference)} reaction"
+        title = f"{format_label(reaction.name.action)}, {format_label(reaction.name.preference)} reaction"
         if not few:
-            title = f"{reaction.name.action}\n{words(reaction.name.preference)}"
+            title = f"{reaction.name.action}\n{format_label(reaction.name.preference)}"
         axes[row * len(views), column].set_title(title, fontsize=None if few else 5.5)
         share_at = {joint.child: shares[joint.name] for joint in JOINTS}
         for landmark, position in points.items():

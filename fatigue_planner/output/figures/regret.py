@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import look, new_figure
 
 WIDE = 2  # standard errors that a bar reaches to either side
 
@@ -45,8 +46,8 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
                 f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), place), (5, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
-        panel.set_title(f"{words(condition)}, {n_cycles} cycles")
-        panel.set_yticks(range(len(policies)), [words(policy) for policy in policies])
+        panel.set_title(f"{format_label(condition)}, {n_cycles} cycles")
+        panel.set_yticks(range(len(policies)), [format_label(policy) for policy in policies])
         panel.set_ylim(len(policies) - 0.5, -0.5)
         panel.margins(x=0.2)
     axes[0].set_xlim(left=0)

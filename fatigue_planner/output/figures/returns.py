@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import look, new_figure
 
 
 def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
@@ -23,7 +24,7 @@ def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies
         for column, n_cycles in enumerate(lengths):
             cell = comparison[(comparison["condition"] == condition) & (comparison["n_cycles"] == n_cycles)]
             _panel(axes[row, column], cell, list(policies))
-            axes[row, column].set_title(f"{words(condition)}, $n_{{cycles}}$ = {n_cycles}")
+            axes[row, column].set_title(f"{format_label(condition)}, $n_{{cycles}}$ = {n_cycles}")
         axes[row, 0].set_ylabel("discounted accumulated reward\n(mean ± standard deviation)")
     return figure
 
@@ -51,7 +52,7 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
             foot = height - 0.01 * span
             axes.plot([place, place, place + 1, place + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
             axes.text(place + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
-    axes.set_xticks(range(len(rows)), [words(row["policy"]) for row in rows], rotation=40, ha="right")
+    axes.set_xticks(range(len(rows)), [format_label(row["policy"]) for row in rows], rotation=40, ha="right")
     axes.set_xlim(-0.6, len(rows) - 0.4)
     axes.set_ylim(low - 0.08 * span, high + 0.25 * span)
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))

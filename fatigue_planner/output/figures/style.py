@@ -1,6 +1,5 @@
 """One look for all figures, and saving them with their data, the same bytes every time."""
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -52,8 +51,3 @@ def save_figure(folder: Path, name: str, figure: Figure, data: pd.DataFrame) -> 
     )
     publish_csv(paths[2], data)
     return paths
-
-
-def words(name: str) -> str:
-    """A name as it stands in a figure."""
-    return re.sub(r"[_:]", " ", name)

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import COLOURS, new_figure
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import level_text
 
@@ -61,13 +62,13 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
             sides = [(row, side, shift) for row, side, shift in sides if (row["gain"] - base.iloc[0]) * shift > 0]
         for row, side, shift in sides:
             axes.annotate(
-                words(row["level"]), (100 * row["gain"], place), (shift, 0), textcoords="offset points", ha=side,
+                format_label(row["level"]), (100 * row["gain"], place), (shift, 0), textcoords="offset points", ha=side,
                 va="center", fontsize=7,
             )  # fmt: skip
     for value in base:
         axes.axvline(100 * value, color="black", linewidth=0.8)
     axes.axvline(0, color="0.5", linewidth=0.8, linestyle=":")
-    axes.set_yticks(range(len(factors)), [words(factor) for factor in factors])
+    axes.set_yticks(range(len(factors)), [format_label(factor) for factor in factors])
     axes.invert_yaxis()
     axes.use_sticky_edges = False
     axes.margins(x=0.18)

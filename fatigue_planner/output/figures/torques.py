@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import loads
 from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
 from fatigue_planner.output.figures.postures import FEW
-from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.output.figures.style import COLOURS, new_figure
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 MAX_LOADED = 6  # entries drawn over time
@@ -130,10 +131,10 @@ def course_figure(
 def _label(reaction: Reaction, among: Sequence[Reaction]) -> str:
     """The name of a reaction, with its worker only where there are several."""
     parts = reaction.name if len({other.name.worker for other in among}) > 1 else reaction.name[1:]
-    return ", ".join(words(part) for part in parts)
+    return ", ".join(format_label(part) for part in parts)
 
 
 def entry_label(entry: str) -> str:
     """An entry as it stands in a figure: its degree of freedom and direction."""
     freedom, direction = entry.split(":")
-    return f"{words(freedom)} {'+' if direction == 'positive' else '−'}"
+    return f"{format_label(freedom)} {'+' if direction == 'positive' else '−'}"

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.output.figures.human_drawing import SIDE, draw_human, draw_joint_loads, draw_load_scale, landmarks
-from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.output.figures.style import new_figure
 from fatigue_planner.output.viewer.motion_clip import MotionClip
 
 
@@ -33,6 +34,6 @@ def strip(clips: Sequence[MotionClip], times_s: Sequence[float]) -> Figure:
             panel.set_title(f"{clip.phase(tick)}, {time:g} s")
         for panel in panels[len(times) :]:
             panel.set_axis_off()
-        panels[0].text(-0.06, 0.5, words(clip.title), transform=panels[0].transAxes, rotation=90, va="center")
+        panels[0].text(-0.06, 0.5, format_label(clip.title), transform=panels[0].transAxes, rotation=90, va="center")
     draw_load_scale(figure, axes[-1], discs, 0.8)
     return figure

@@ -54,8 +54,8 @@ def _item(words: str) -> Markup:
 
 
 def _prose(words: str) -> Markup:
-    """Text in which `names` stand out."""
-    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(words))))
+    """Text in which `names` stand out; a per cent sign stays with its number where a line breaks."""
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(words)).replace(" %", "\u00a0%")))
 
 
 def _figure(picture: Picture, number: int) -> Markup:

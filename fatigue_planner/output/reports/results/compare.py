@@ -10,9 +10,9 @@ import pandas as pd
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import StaleTableError
+from fatigue_planner.core.text import format_label, percent, percent_range, significant
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, percent_range, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
@@ -133,7 +133,8 @@ def _rows(found: Comparison) -> list[list[str]]:
             interval, test = "", "the same in every run"
         rows.append(
             [
-                words(contrast.condition), str(contrast.n_cycles), words(row["policy"]), str(contrast.trials),
+                format_label(contrast.condition), str(contrast.n_cycles), format_label(row["policy"]),
+                str(contrast.trials),
                 significant(contrast.first_mean, 6), significant(contrast.second_mean, 6),
                 percent(contrast.difference / cost), interval,
                 test,

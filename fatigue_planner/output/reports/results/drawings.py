@@ -5,6 +5,7 @@ from typing import Any
 
 import pandas as pd
 
+from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import FatigueParameters
@@ -13,9 +14,8 @@ from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.pose_map import place_figure, place_table
 from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.returns import returns_figure
-from fatigue_planner.output.figures.style import words
 from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure
-from fatigue_planner.output.reports.html.blocks import Picture, listing, percent, significant
+from fatigue_planner.output.reports.html.blocks import Picture
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.statistics.comparison import STARS
@@ -46,8 +46,8 @@ def _best_and_worst(comparison: pd.DataFrame) -> str:
     for condition, n_cycles, cell in cells_of(comparison):
         best, worst = records(cell.iloc[[0, -1]])
         sentences.append(
-            f"{words(condition)}, {n_cycles} cycles: from {words(best['policy'])} ({significant(best['mean'])}) to "
-            f"{words(worst['policy'])} ({significant(worst['mean'])})"
+            f"{format_label(condition)}, {n_cycles} cycles: from {format_label(best['policy'])} "
+            f"({significant(best['mean'])}) to {format_label(worst['policy'])} ({significant(worst['mean'])})"
         )
     return "; ".join(sentences) + "."
 
@@ -63,7 +63,7 @@ def draw_reactions(
     pictures = []
     for worker, person in experiment.workers.items():
         several = len(experiment.workers) > 1
-        suffix, whose = (f"_{worker}", f" of {words(worker)}") if several else ("", "")
+        suffix, whose = (f"_{worker}", f" of {format_label(worker)}") if several else ("", "")
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
         figure, table = posture_figure(build_human(person), own, parameters[worker])
         caption = f"The reactions{whose} in the middle of the work; discs: the largest load at each joint."
@@ -85,7 +85,7 @@ def draw_reactions(
 def _heaviest_joints(table: pd.DataFrame) -> str:
     joints = table.dropna(subset="share_of_maximum")
     rows = joints.loc[joints.groupby(["action", "preference"], sort=False)["share_of_maximum"].idxmax()]
-    return _loads(rows.assign(place=[words(JOINT_OF[landmark]) for landmark in rows["landmark"]]))
+    return _loads(rows.assign(place=[format_label(JOINT_OF[landmark]) for landmark in rows["landmark"]]))
 
 
 def _heaviest_entries(table: pd.DataFrame) -> str:
@@ -118,7 +118,7 @@ def _cheapest_and_dearest(table: pd.DataFrame) -> str:
     """The places of a pose map with the least and the most cost of repeating, over all preferences."""
     ordered = records(table.sort_values("long_run_cost", kind="stable"))
     ends = [
-        f"{word} {row['action']} with {words(row['preference'])} ({significant(row['long_run_cost'])})"
+        f"{word} {row['action']} with {format_label(row['preference'])} ({significant(row['long_run_cost'])})"
         for word, row in (("cheapest is", ordered[0]), ("dearest is", ordered[-1]))
     ]
     return listing(ends) + "."

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.output.figures.gain_trends import trend_figure, trend_table
 from fatigue_planner.output.figures.importance import importance_figure
-from fatigue_planner.output.figures.style import save_figure, words
+from fatigue_planner.output.figures.style import save_figure
 from fatigue_planner.output.figures.tornado import tornado_figure, tornado_table
 from fatigue_planner.study.sensitivity.conclusions import DECIDING, at_headline
 from fatigue_planner.study.sensitivity.design import Point
@@ -23,8 +24,8 @@ def draw_study(study: Study, points: Sequence[Point], tables: StudyTables, folde
     files = []
     for baseline in baselines:
         table = tornado_table(points, gains[gains["baseline"] == baseline])
-        where = f"{words(headline.condition)}, {headline.n_cycles} cycles"
-        title = f"{words(headline.planner)} over {words(baseline)}, {where}"
+        where = f"{format_label(headline.condition)}, {headline.n_cycles} cycles"
+        title = f"{format_label(headline.planner)} over {format_label(baseline)}, {where}"
         files += save_figure(folder, f"tornado_{baseline}", tornado_figure(table, title), table)
     if importance["share"].notna().any():
         files += save_figure(folder, "importance", importance_figure(importance, baselines), importance)

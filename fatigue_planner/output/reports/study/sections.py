@@ -4,20 +4,11 @@ from collections import Counter
 
 import pandas as pd
 
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import (
-    Block,
-    Picture,
-    Points,
-    Section,
-    Table,
-    Text,
-    listing,
-    significant,
-)
+from fatigue_planner.core.text import brief_percent, format_label, listing, significant
+from fatigue_planner.output.reports.html.blocks import Block, Picture, Points, Section, Table, Text
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.study.claims.answers import VERDICTS
-from fatigue_planner.study.sensitivity.conclusions import at_headline, percent
+from fatigue_planner.study.sensitivity.conclusions import at_headline
 from fatigue_planner.study.sensitivity.robustness import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
@@ -42,15 +33,15 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
         here = here.groupby("baseline", sort=False).head(most)
     rows = [
         [
-            words(row["baseline"]), words(row["factor"]), _share(row["share"]),
+            format_label(row["baseline"]), format_label(row["factor"]), _share(row["share"]),
             "–" if pd.isna(row["share_low"]) else f"{_share(row['share_low'])} to {_share(row['share_high'])}",
             _p_value(row["p_value"]), _share(row["rank_share"]), _p_value(row["rank_p_value"]), _share(row["swing"]),
-            f"{words(row['least_at'])} → {words(row['most_at'])}" if row["swing"] > 0 else "–",
+            f"{format_label(row['least_at'])} → {format_label(row['most_at'])}" if row["swing"] > 0 else "–",
         ]
         for row in records(here.fillna({"least_at": "", "most_at": ""}))
     ]  # fmt: skip
     caption = (
-        f"What `{headline.planner}` gains over each baseline ({words(headline.condition)}, {headline.n_cycles} "
+        f"What `{headline.planner}` gains over each baseline ({format_label(headline.condition)}, {headline.n_cycles} "
         "cycles), and which settings decide it: the share of the gain's variance over all combinations that a setting "
         "explains alone, with a 95 % bootstrap interval and p corrected for all settings (permutations); the same of "
         "the gains' ranks, which a few very large gains do not rule; and how far it moves the gain alone "
@@ -77,9 +68,9 @@ def over_all_cells(study: FinishedStudy, where: str) -> Table:
     gains = study.tables["gains"]
     rows = [
         [
-            words(str(planner)), words(str(baseline)), words(str(condition)), str(n_cycles),
+            format_label(str(planner)), format_label(str(baseline)), format_label(str(condition)), str(n_cycles),
             f"{(own['verdict'] == 'better').sum()} / {(own['verdict'] == 'worse').sum()} of {len(own)}",
-            percent(own["gain"].median()), f"{percent(own['gain'].min())} to {percent(own['gain'].max())}",
+            brief_percent(own["gain"].median()), f"{brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())}",
         ]
         for (planner, baseline, condition, n_cycles), own in gains[gains["point"].isin(names)].groupby(
             ["planner", "baseline", "condition", "n_cycles"], sort=False
@@ -116,7 +107,7 @@ def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
 def tried(study: FinishedStudy, where: str) -> Table:
     """The settings, their levels, and why these."""
     rows = [
-        [words(row["factor"]), row["levels"], str(row["base"]), row["reason"]]
+        [format_label(row["factor"]), row["levels"], str(row["base"]), row["reason"]]
         for row in records(study.tables["factors"])
     ]
     header = ["setting", "levels alone", "the experiment's own", "why these"]
@@ -145,7 +136,7 @@ def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _share(share: float) -> str:
-    return "–" if pd.isna(share) else percent(share)
+    return "–" if pd.isna(share) else brief_percent(share)
 
 
 def _p_value(p_value: float) -> str:
@@ -166,8 +157,8 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
         caption = "The gain at every combination against the settings that decide most; bars are 95 % intervals."
         alternative = listing(
             [
-                f"over {baseline} from {percent(own['gain'].min())} to {percent(own['gain'].max())}, "
-                f"median {percent(own['gain'].median())}"
+                f"over {baseline} from {brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())}, "
+                f"median {brief_percent(own['gain'].median())}"
                 for baseline in study.baselines
                 for own in [data[data["baseline"] == baseline]]
             ]
@@ -178,7 +169,7 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
         widest = list(dict.fromkeys(data["factor"].dropna()))[:WIDEST]
         alternative = listing(
             [
-                f"{words(factor)} moves it from {percent(own.min())} to {percent(own.max())}"
+                f"{format_label(factor)} moves it from {brief_percent(own.min())} to {brief_percent(own.max())}"
                 for factor in widest
                 for own in [data.loc[(data["factor"] == factor) | data["factor"].isna(), "gain"]]
             ]
@@ -187,4 +178,4 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
 
 
 def _listed(table: pd.DataFrame, name: str, share: str) -> str:
-    return listing([f"{words(row[name])} {percent(row[share])}" for row in records(table)])
+    return listing([f"{format_label(row[name])} {brief_percent(row[share])}" for row in records(table)])

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
+from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section, listing, percent
+from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
@@ -32,6 +32,8 @@ def _shares(table: pd.DataFrame, names: list[str]) -> str:
         for policy, rows in groups_of(cell, "policy"):
             taken = pd.Series([action for text in rows[ACTIONS] for action in actions_of(text)])
             counts = taken.value_counts(normalize=True)
-            favourites.append(f"{words(policy)} {words(names[int(counts.index[0])])} {percent(counts.iloc[0], 0)}")
-        sentences.append(f"{words(condition)}: {listing(favourites)}")
+            favourites.append(
+                f"{format_label(policy)} {format_label(names[int(counts.index[0])])} {percent(counts.iloc[0], 0)}"
+            )
+        sentences.append(f"{format_label(condition)}: {listing(favourites)}")
     return "the most frequent action and its share; " + "; ".join(sentences) + "."

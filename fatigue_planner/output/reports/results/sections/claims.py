@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from fatigue_planner.output.reports.html.blocks import Section, Table, Text, listing
+from fatigue_planner.core.text import listing
+from fatigue_planner.output.reports.html.blocks import Section, Table, Text
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.claims.answers import VERDICTS
 from fatigue_planner.study.claims.evaluation import Evaluation

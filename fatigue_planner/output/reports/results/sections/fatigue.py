@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section, listing, percent
+from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 
@@ -29,10 +29,10 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
         mean = last[last["joint_group"] == group].groupby("policy", sort=False)["highest_fatigue"].mean()
         low, high = percent(mean.min(), 0), percent(mean.max(), 0)
         sentences.append(
-            f"{words(group)} ends at {high} whatever the policy"
+            f"{format_label(group)} ends at {high} whatever the policy"
             if low == high
-            else f"{words(group)} ends between {low} ({words(str(mean.idxmin()))}) and {high} "
-            f"({words(str(mean.idxmax()))})"
+            else f"{format_label(group)} ends between {low} ({format_label(str(mean.idxmin()))}) and {high} "
+            f"({format_label(str(mean.idxmax()))})"
         )
     alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
     return Section(

@@ -4,8 +4,7 @@ from collections import Counter
 
 import pandas as pd
 
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import counted, listing, percent, percent_range
+from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.losses import most_to_win
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
@@ -49,7 +48,7 @@ def _against_the_anchor(report_data: ReportData) -> list[str]:
             continue
         found = contrast_of(report_data.contrasts, *pair)
         sentences.append(
-            f"{words(condition)}, {n_cycles} cycles: the best besides `{report_data.anchor}` is `{others[0]}`; "
+            f"{format_label(condition)}, {n_cycles} cycles: the best besides `{report_data.anchor}` is `{others[0]}`; "
             f"its cost is {_difference(found, level)}."
         )
     return sentences
@@ -81,7 +80,7 @@ def _words(found: Contrast, level: float) -> str:
 
 def _most_to_win(report_data: ReportData, gaps: pd.DataFrame) -> str:
     last = gaps[(gaps["n_cycles"] == report_data.longest) & (gaps["policy"] == report_data.anchor)]
-    shares = [f"{most_to_win(row)} ({words(row['condition'])})" for row in records(last)]
+    shares = [f"{most_to_win(row)} ({format_label(row['condition'])})" for row in records(last)]
     return (
         f"Over {report_data.longest} cycles no policy whatsoever can be expected to cost less than "
         f"`{report_data.anchor}` by more than {listing(shares)}: "

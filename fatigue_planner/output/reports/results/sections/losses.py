@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.output.figures.regret import regret_figure
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, listing, percent, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.reference import describe
@@ -32,7 +32,7 @@ def _regret(report_data: ReportData, figures: FigureFolder) -> list[Block]:
     assert table is not None
     judges = report_data.results.note.references
     named = [condition for condition in report_data.experiment.benchmark.conditions if condition in judges]
-    references = [f"{words(condition)}: {describe(judges[condition])}" for condition in named]
+    references = [f"{format_label(condition)}: {describe(judges[condition])}" for condition in named]
     intro = (
         "Every decision of every run is judged by a reference that looks ahead exactly: "
         + "; ".join(references)
@@ -41,8 +41,8 @@ def _regret(report_data: ReportData, figures: FigureFolder) -> list[Block]:
     )
     last = table[table["n_cycles"] == report_data.longest]
     sentences = [
-        f"{words(condition)}: "
-        + listing([f"{words(row['policy'])} {percent(row['run_loss_share'])}" for row in records(cell)])
+        f"{format_label(condition)}: "
+        + listing([f"{format_label(row['policy'])} {percent(row['run_loss_share'])}" for row in records(cell)])
         for condition, cell in groups_of(last, "condition")
     ]
     figure = regret_figure(table, report_data.longest, report_data.policies)
@@ -60,8 +60,8 @@ def _bounds(report_data: ReportData) -> list[Block]:
         anchor = next(row for row in rows_of if row["policy"] == report_data.anchor)
         rows.append(
             [
-                words(condition), str(n_cycles), significant(best["cost_bound"], 6),
-                "the optimum" if best["exact"] else "a lower bound", words(best["policy"]), percent(best["gap"]),
+                format_label(condition), str(n_cycles), significant(best["cost_bound"], 6),
+                "the optimum" if best["exact"] else "a lower bound", format_label(best["policy"]), percent(best["gap"]),
                 most_to_win(anchor),
             ]
         )  # fmt: skip
@@ -72,7 +72,7 @@ def _bounds(report_data: ReportData) -> list[Block]:
     )
     header = [
         "condition", "cycles", "least expected cost", "which is", "best policy", "its mean above it",
-        f"most to win over {words(report_data.anchor)}",
+        f"most to win over {format_label(report_data.anchor)}",
     ]  # fmt: skip
     return [Table(caption, header, rows, BOUNDS_FILE)]
 

@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from fatigue_planner.core.text import percent, significant
 from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.torques import entry_label, torque_table
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, significant
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.drawings import draw_reactions
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData

@@ -2,9 +2,9 @@
 
 import pandas as pd
 
+from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
 from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Text, counted, listing, percent, percent_range
+from fatigue_planner.output.reports.html.blocks import Block, Section, Text
 from fatigue_planner.output.reports.results.drawings import draw_returns
 from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
@@ -35,12 +35,12 @@ def _extremes(table: pd.DataFrame) -> str:
     for condition, n_cycles, cell in cells_of(table):
         ends = records(cell.sort_values("extra_cost_share", kind="stable").iloc[[0, -1]])
         named = [
-            f"{words(end['policy'])} {percent(end['extra_cost_share'])}"
+            f"{format_label(end['policy'])} {percent(end['extra_cost_share'])}"
             + (f" ({percent_range(low, high)})" if low < high else "")
             for end in ends
             for low, high in [(end["low_share"], end["high_share"])]
         ]
-        sentences.append(f"{words(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
+        sentences.append(f"{format_label(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
     return "; ".join(sentences) + "."
 
 
