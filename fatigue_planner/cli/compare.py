@@ -9,9 +9,9 @@ from fatigue_planner.cli.json_output import SideBySide
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.core.files import publish_text, writable_folder
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.results.compare import compare as compared
 from fatigue_planner.output.reports.results.compare import compare_page, compare_text
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.statistics.pairing import records
 
 

@@ -13,7 +13,7 @@ from fatigue_planner.cli.options import (
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.files import writable_folder
 from fatigue_planner.core.provenance import publish_manifest
-from fatigue_planner.experiment.build import load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.results import load_results
@@ -32,8 +32,9 @@ def figures(
     of `fatplan benchmark`. Every figure is a PNG and an SVG, with its data as CSV.
     """
     settings = load_experiment(experiment)
-    from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns  # noqa: PLC0415 - matplotlib
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder  # noqa: PLC0415
+    from fatigue_planner.output.figures.style import FigureFolder  # noqa: PLC0415 - loads matplotlib
+    from fatigue_planner.output.reports.results.sections.reactions import draw_reactions  # noqa: PLC0415
+    from fatigue_planner.output.reports.results.sections.returns import draw_returns  # noqa: PLC0415
 
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     drawn = FigureFolder(results / settings.name)
@@ -41,7 +42,7 @@ def figures(
         tables = load_results(settings, drawn.folder, command_line("benchmark", experiment, cache, results))
         draw_returns(drawn, settings, comparison_table(tables.trials, settings.statistics.significance_level))
     writable_folder(drawn.folder)
-    draw_reactions(drawn, settings, reactions, worker_fatigue(settings))
+    draw_reactions(drawn, settings, reactions, worker_fatigue(settings), cycle_profiles(settings, reactions))
     note = {"reactions": digests(reaction_requests(settings))}
     hashes = publish_manifest(drawn.folder, "figures", note, drawn.files)
     pictures = [f"{path} (and .svg, .csv)" for path in drawn.files if path.suffix == ".png"]

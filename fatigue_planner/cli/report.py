@@ -15,11 +15,10 @@ from fatigue_planner.cli.options import (
 from fatigue_planner.cli.output import Json, present
 from fatigue_planner.core.files import publish_text
 from fatigue_planner.core.provenance import publish_manifest
-from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests
+from fatigue_planner.experiment.build import load_reactions, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.study.benchmark.results import courses, load_results
-from fatigue_planner.study.benchmark.selection import cells
+from fatigue_planner.study.benchmark.results import load_results
 
 
 def report(
@@ -35,8 +34,8 @@ def report(
     """
     begin = time.perf_counter()
     settings = load_experiment(experiment)
+    from fatigue_planner.output.figures.style import FigureFolder  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.output.reports.results.report import report  # noqa: PLC0415
     from fatigue_planner.output.reports.results.report_data import ReportData  # noqa: PLC0415
     from fatigue_planner.output.reports.study.finished import study_of  # noqa: PLC0415
@@ -46,13 +45,11 @@ def report(
     reactions = load_reactions(settings, cache, simulate)
     folder = results / settings.name
     tables = load_results(settings, folder, benchmark)
-    grid = cells(settings, cycle_profiles(settings, reactions))
-    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, folder))
     figures = FigureFolder(folder)
     path = folder / REPORT_FILE
     study = study_of(settings, results)
     commands = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
-    publish_text(path, report(report_data, figures, experiment, commands, study))
+    publish_text(path, report(ReportData(settings, reactions, tables, folder, experiment, commands, study), figures))
     note = {"reactions": digests(reaction_requests(settings))}
     hashes = publish_manifest(folder, "report", note, [*figures.files, path])
     size = path.stat().st_size / 1e6

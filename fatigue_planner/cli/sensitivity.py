@@ -100,8 +100,8 @@ def _publish(
     study: Study, reacted: Sequence[Reacted], trials: Mapping[str, pd.DataFrame], folder: Path, command: str
 ) -> tuple[StudyRun, str]:
     """Everything on disk: what was made, and the names of the files for people."""
+    from fatigue_planner.output.figures.sensitivity import draw_study  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.output.reports.html.page import REPORT_FILE  # noqa: PLC0415 - loads jinja2
-    from fatigue_planner.output.reports.study.drawings import draw_study  # noqa: PLC0415 - loads matplotlib
     from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study  # noqa: PLC0415 - with it
     from fatigue_planner.output.reports.study.page import study_page  # noqa: PLC0415
 

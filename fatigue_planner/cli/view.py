@@ -60,11 +60,11 @@ def view(
     writable_folder(path.parent)
     clips = _performances(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
+        from fatigue_planner.output.figures.postures import filmstrip  # noqa: PLC0415
         from fatigue_planner.output.figures.style import publish_png  # noqa: PLC0415 - loads matplotlib
-        from fatigue_planner.output.viewer.filmstrip import strip  # noqa: PLC0415
 
         _check_times(at or [], clips)
-        figure = strip(clips, at or [])
+        figure = filmstrip(clips, at or [])
         publish_png(path, figure)
     else:
         from fatigue_planner.output.viewer.page import page  # noqa: PLC0415 - loads viser, which only this needs

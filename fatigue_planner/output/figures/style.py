@@ -1,5 +1,6 @@
-"""One look for all figures, and saving them with their data, the same bytes every time."""
+"""One look for all figures, and the folder they are saved in with their data, the same bytes every time."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -42,12 +43,38 @@ def publish_png(path: Path, figure: Figure) -> None:
     publish(path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}, bbox_inches="tight"))
 
 
-def save_figure(folder: Path, name: str, figure: Figure, data: pd.DataFrame) -> list[Path]:
-    """Publish name.png, name.svg and the data behind them as name.csv; returns the paths."""
-    paths = [folder / f"{name}.{kind}" for kind in ("png", "svg", "csv")]
-    publish_png(paths[0], figure)
-    publish(
-        paths[1], lambda path: figure.savefig(path, metadata={"Date": None, "Creator": "fatplan"}, bbox_inches="tight")
-    )
-    publish_csv(paths[2], data)
-    return paths
+@dataclass(frozen=True)
+class Picture:
+    """A figure: its SVG, what it shows, the same in words for those who cannot see it, and the file of its data."""
+
+    svg: str
+    caption: str
+    alternative: str
+    data_file: str
+
+
+class FigureFolder:
+    """Saves figures and tables into a folder, and remembers the files."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.files: list[Path] = []
+
+    def add(self, name: str, figure: Figure, data: pd.DataFrame, caption: str = "", alternative: str = "") -> Picture:
+        """Publish name.png, name.svg and the data behind them; returns the picture as a page shows it.
+
+        Raises OutputFolderError.
+        """
+        png, svg = self.folder / f"{name}.png", self.folder / f"{name}.svg"
+        publish_png(png, figure)
+        metadata = {"Date": None, "Creator": "fatplan"}
+        publish(svg, lambda path: figure.savefig(path, metadata=metadata, bbox_inches="tight"))
+        self.files += [png, svg]
+        return Picture(svg.read_text(encoding="utf-8"), caption, alternative, self.add_table(name, data))
+
+    def add_table(self, name: str, data: pd.DataFrame) -> str:
+        """Publish a table as CSV; returns the file's name. Raises OutputFolderError."""
+        path = self.folder / f"{name}.csv"
+        publish_csv(path, data)
+        self.files.append(path)
+        return path.name

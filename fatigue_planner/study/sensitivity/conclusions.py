@@ -63,7 +63,8 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
         f"{headline.planner} is significantly better than {baseline} in {better} of {len(own)} and worse in {worse} "
         f"({headline.condition}, {headline.n_cycles} cycles; {100 * CONFIDENCE:g} % intervals, each for itself); its "
         f"gain is {brief_percent(own['gain'].median())} of the cost in the median, "
-        f"{brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())} from one to another{''.join(f'; {other}' for other in others)}."
+        f"{brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())} from one to another"
+        f"{''.join(f'; {other}' for other in others)}."
     )
 
 

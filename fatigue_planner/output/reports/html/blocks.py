@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from fatigue_planner.output.figures.style import Picture
+
 
 @dataclass(frozen=True)
 class Text:
@@ -17,16 +19,6 @@ class Points:
     """A list of sentences."""
 
     items: Sequence[str]
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure: its SVG, what it shows, the same in words for those who cannot see it, and the file of its data."""
-
-    svg: str
-    caption: str
-    alternative: str
-    data_file: str
 
 
 @dataclass(frozen=True)

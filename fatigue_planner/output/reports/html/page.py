@@ -9,7 +9,8 @@ from itertools import count
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
 from markupsafe import Markup, escape
 
-from fatigue_planner.output.reports.html.blocks import Block, Code, Picture, Points, Section, Table, Text
+from fatigue_planner.output.figures.style import Picture
+from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Section, Table, Text
 
 REPORT_FILE = "report.html"
 _CODE = re.compile(r"`([^`]+)`")

@@ -3,16 +3,22 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import pandas as pd
 
-from fatigue_planner.experiment.build import worker_fatigue
+from fatigue_planner.core.errors import ClaimsError
+from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
-from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.output.reports.study.finished import FinishedStudy
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.benchmark.replay import Course
-from fatigue_planner.study.benchmark.results import Results
+from fatigue_planner.study.benchmark.results import Results, courses
+from fatigue_planner.study.benchmark.selection import cells
+from fatigue_planner.study.claims.evaluation import Evaluation, evaluate
+from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.statistics.comparison import comparison_table
 from fatigue_planner.study.statistics.contrasts import contrasts
 from fatigue_planner.study.statistics.regret import gap_table, regret_table
@@ -20,13 +26,19 @@ from fatigue_planner.study.statistics.regret import gap_table, regret_table
 
 @dataclass(frozen=True)
 class ReportData:
-    """An experiment, its reactions, its tables and the courses of its runs; all else follows from these."""
+    """An experiment, its reactions and the tables of its results; all else follows from these.
+
+    `folder` holds the results, `file` is the experiment's, `commands` make the results and the report again,
+    `study` is a sensitivity study of the experiment.
+    """
 
     experiment: Experiment
     reactions: Sequence[Reaction]
-    grid: Sequence[Cell]
     results: Results
-    courses: Mapping[tuple[str, int, str], Sequence[Course]]
+    folder: Path
+    file: Path
+    commands: Sequence[str]
+    study: FinishedStudy | None
 
     @property
     def policies(self) -> list[str]:
@@ -48,6 +60,16 @@ class ReportData:
     def fatigue(self) -> dict[str, FatigueParameters]:
         """The fatigue parameters of every worker."""
         return worker_fatigue(self.experiment)
+
+    @cached_property
+    def profiles(self) -> dict[ReactionName, CycleProfile]:
+        """What one cycle of every reaction does to fatigue."""
+        return cycle_profiles(self.experiment, self.reactions)
+
+    @cached_property
+    def courses(self) -> Mapping[tuple[str, int, str], Sequence[Course]]:
+        """Every run lived through again, by condition, number of cycles and policy."""
+        return courses(cells(self.experiment, self.profiles), self.results, self.folder)
 
     @cached_property
     def comparison(self) -> pd.DataFrame:
@@ -73,3 +95,24 @@ class ReportData:
             return None
         known = self.results.bounds.drop_duplicates(["condition", "n_cycles"])
         return gap_table(self.comparison, known[["condition", "n_cycles", "cost_bound", "exact"]])
+
+    @property
+    def claims_file(self) -> Path:
+        """Where claims about the experiment lie: beside its file, `<its name>_claims.yaml`."""
+        return self.file.with_name(f"{self.file.stem}_claims.yaml")
+
+    @cached_property
+    def claims(self) -> Evaluation | None:
+        """The claims judged by the tables, where there are any.
+
+        Raises ClaimsError if they are about another experiment.
+        """
+        if not self.claims_file.exists():
+            return None
+        loaded = load_claims(self.claims_file)
+        if loaded.experiment_file.resolve() != self.file.resolve():
+            raise ClaimsError(
+                f"{self.claims_file}: experiment: is {loaded.experiment_file}; should be {self.file.name}."
+            )
+        statistics, seed = self.experiment.statistics, self.experiment.benchmark.seed
+        return evaluate(loaded.claims, self.results.trials, statistics, seed, self.results.bounds)

@@ -4,8 +4,8 @@ import pandas as pd
 
 from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 from fatigue_planner.study.statistics.pairing import groups_of

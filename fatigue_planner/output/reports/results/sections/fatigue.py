@@ -4,8 +4,8 @@ import numpy as np
 
 from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 
 

@@ -6,6 +6,7 @@ import pandas as pd
 
 from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.results.sections.claims import claims_sentence
 from fatigue_planner.output.reports.results.sections.losses import most_to_win
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of, records
@@ -22,6 +23,10 @@ def findings(report_data: ReportData) -> list[str]:
     ]
     if report_data.gaps is not None and len(report_data.gaps):
         items.append(_most_to_win(report_data, report_data.gaps))
+    if report_data.claims is not None:
+        items.append(claims_sentence(report_data.claims))
+    if (study := report_data.study) is not None:
+        items.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
     return items
 
 

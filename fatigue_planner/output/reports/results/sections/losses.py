@@ -5,8 +5,8 @@ from typing import Any
 
 from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.output.figures.regret import regret_figure
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE

@@ -2,12 +2,14 @@
 
 import pandas as pd
 
-from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
+from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range, significant
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
+from fatigue_planner.output.figures.returns import returns_figure
+from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Block, Section, Text
-from fatigue_planner.output.reports.results.drawings import draw_returns
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.study.statistics.comparison import STARS
 from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
@@ -28,6 +30,33 @@ def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
         blocks.append(figures.add("estimates", figure, table, caption, _extremes(table)))
     blocks.append(Text(_counts(report_data, figures.add_table("contrasts", report_data.contrasts))))
     return Section("Returns", blocks)
+
+
+def draw_returns(figures: FigureFolder, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
+    """The paper's Figure 5: one picture for each that the experiment names."""
+    pictures = []
+    for name, conditions in experiment.figures.items():
+        shown = comparison[comparison["condition"].isin(conditions)]
+        figure = returns_figure(comparison, conditions, list(experiment.benchmark.policies))
+        caption = (
+            f"`{name}`: discounted accumulated reward, mean ± standard deviation over the runs, best policy first. "
+            "Between neighbours stands the paper's test: Student's, unpaired, not corrected "
+            f"({', '.join(f'{mark} p < {limit:g}' for limit, mark in reversed(STARS))}, ns: p ≥ "
+            f"{experiment.statistics.significance_level:g}; none where a policy has one run only)."
+        )
+        pictures.append(figures.add(name, figure, shown, caption, _best_and_worst(shown)))
+    return pictures
+
+
+def _best_and_worst(comparison: pd.DataFrame) -> str:
+    sentences = []
+    for condition, n_cycles, cell in cells_of(comparison):
+        best, worst = records(cell.iloc[[0, -1]])
+        sentences.append(
+            f"{format_label(condition)}, {n_cycles} cycles: from {format_label(best['policy'])} "
+            f"({significant(best['mean'])}) to {format_label(worst['policy'])} ({significant(worst['mean'])})"
+        )
+    return "; ".join(sentences) + "."
 
 
 def _extremes(table: pd.DataFrame) -> str:

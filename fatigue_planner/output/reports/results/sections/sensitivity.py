@@ -1,16 +1,17 @@
 """The sensitivity study of the experiment, where there is one."""
 
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section, Text
 from fatigue_planner.output.reports.html.page import REPORT_FILE
-from fatigue_planner.output.reports.study.finished import FinishedStudy
-from fatigue_planner.output.reports.study.sections import claims_over_points, deciding, lessons, over_all_cells
+from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.study.page import claims_over_points, deciding, lessons, over_all_cells
 
 MAX_SETTINGS = 8
 
 
-def sensitivity_section(study: FinishedStudy | None) -> Section:
+def sensitivity_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """What one learns from the study and which settings decide; or the command that makes one."""
-    title = "When does planning pay? Sensitivity"
+    study, title = report_data.study, "When does planning pay? Sensitivity"
     if study is None:
         how = "No sensitivity study of this experiment is among the results; `fatplan sensitivity` makes one."
         return Section(title, [Text(how)])
