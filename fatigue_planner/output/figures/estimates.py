@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.output.figures.style import look, new_figure
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 from fatigue_planner.study.statistics.contrast import contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of
 
@@ -37,6 +37,7 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
     return pd.DataFrame(rows)
 
 
+@house_style()
 def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str]) -> Figure:
     """Panels of intervals: one row per condition, one column per number of cycles; the margin is shaded."""
     conditions, lengths = list(dict.fromkeys(table["condition"])), list(dict.fromkeys(table["n_cycles"]))
@@ -47,7 +48,7 @@ def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str])
         for column, n_cycles in enumerate(lengths):
             cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
             _panel(axes[row, column], cell, margin, shown, list(policies))
-            axes[row, column].set_title(f"{format_label(str(condition))}, {n_cycles} cycles")
+            set_title(axes[row, column], f"{format_label(str(condition))}, {n_cycles} cycles")
     anchor = format_label(str(table["anchor"].iloc[0]))
     figure.supxlabel(
         f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, as good as equal)", fontsize=9

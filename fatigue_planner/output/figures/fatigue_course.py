@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.parameters import highest_fatigue
-from fatigue_planner.output.figures.style import LINES, look, new_figure
+from fatigue_planner.output.figures.style import LINES, house_style, look, new_figure, set_title
 
 Array = NDArray[np.float64]
 
@@ -44,6 +44,7 @@ def most_tired(table: pd.DataFrame) -> list[str]:
     return [str(group) for group in mean.sort_values(ascending=False, kind="stable").index[:SHOWN]]
 
 
+@house_style()
 def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
     """One row of panels per condition, one column for each of the most tired groups, one line per policy."""
     conditions, groups = list(dict.fromkeys(table["condition"])), most_tired(table)
@@ -66,7 +67,7 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
                     label=format_label(policy),
                 )  # fmt: skip
             if row == 0:
-                panel.set_title(format_label(group))
+                set_title(panel, format_label(group))
             if column == 0:
                 panel.set_ylabel(format_label(condition))
     for panel in axes[-1]:

@@ -8,6 +8,7 @@ import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Human
@@ -74,11 +75,17 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
     for side in working:
         axes.plot(*flat(points[f"{side}_grip"]), "s", color=_TOOL, markersize=4.5)
     axes.set_aspect("equal")
-    across = [float(point @ view.across) for point in points.values()]
-    half = 0.36 * stature  # the same for all, unless somebody reaches farther
-    axes.set_xlim(min(-half, *across) - 0.03, max(half, *across) + 0.03)
-    axes.set_ylim(-0.06, 1.06 * stature)
     axes.set_axis_off()
+
+
+def fit_panels(panels: Sequence[Axes], human: Human) -> None:
+    """Give panels that show a human the same limits: those of all that is drawn, and of a body standing straight."""
+    stature = human.anthropometry.stature_m
+    standing = Bbox([[-0.36 * stature, -0.035], [0.36 * stature, 1.04 * stature]])
+    shown = Bbox.union([standing, *(panel.dataLim for panel in panels)])
+    for panel in panels:
+        panel.set_xlim(shown.x0 - 0.03, shown.x1 + 0.03)
+        panel.set_ylim(shown.y0 - 0.025, shown.y1 + 0.035)
 
 
 def draw_joint_loads(

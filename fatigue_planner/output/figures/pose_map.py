@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.action import Action
-from fatigue_planner.output.figures.style import new_figure
+from fatigue_planner.output.figures.style import house_style, new_figure, set_title
 from fatigue_planner.reactions.reaction import ReactionName
 
 FEWEST_PLACES = 6
@@ -34,6 +34,7 @@ def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, C
     return pd.DataFrame(rows)
 
 
+@house_style()
 def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -> Figure | None:
     """Panels of a worker's costs over the two coordinates that vary most, one per preference; None for few places."""
     own = table[table["worker"] == worker]
@@ -52,7 +53,7 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
         )
         best = at.loc[at["long_run_cost"].idxmin()]
         panel.plot(best[across], best[up], marker="*", color="white", markersize=11, markeredgecolor="0.2")
-        panel.set_title(f"{format_label(preference)} reaction")
+        set_title(panel, f"{format_label(preference)} reaction")
         panel.set_xlabel(f"{across[0]} of the hand, m")
         panel.set_aspect("equal")
         panel.set_xticks(grid.columns, [f"{place:g}" for place in grid.columns], rotation=90)

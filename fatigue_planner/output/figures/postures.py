@@ -19,9 +19,10 @@ from fatigue_planner.output.figures.human_drawing import (
     draw_human,
     draw_joint_loads,
     draw_load_scale,
+    fit_panels,
     landmarks,
 )
-from fatigue_planner.output.figures.style import new_figure
+from fatigue_planner.output.figures.style import SETTINGS, house_style, new_figure, set_title, wrapped
 from fatigue_planner.output.viewer.motion_clip import MotionClip
 from fatigue_planner.reactions.reaction import Reaction
 
@@ -32,6 +33,7 @@ FEW = 9
 WIDEST = 15
 
 
+@house_style()
 def posture_figure(
     human: Human, reactions: Sequence[Reaction], parameters: FatigueParameters
 ) -> tuple[Figure, pd.DataFrame]:
@@ -56,10 +58,11 @@ def posture_figure(
             if few and column == 0:
                 panel.text(-0.05, 0.5, view.name, transform=panel.transAxes, rotation=90, va="center")
             discs = draw_joint_loads(panel, points, shares, view)
-        title = f"{format_label(reaction.name.action)}, {format_label(reaction.name.preference)} reaction"
-        if not few:
-            title = f"{reaction.name.action}\n{format_label(reaction.name.preference)}"
-        axes[row * len(views), column].set_title(title, fontsize=None if few else 5.5)
+        action, preference = format_label(reaction.name.action), format_label(reaction.name.preference)
+        if few:
+            set_title(axes[row * len(views), column], f"{action}, {preference} reaction")
+        else:
+            set_title(axes[row * len(views), column], f"{action}\n{preference}", 5.5)
         share_at = {joint.child: shares[joint.name] for joint in JOINTS}
         for landmark, position in points.items():
             rows.append(
@@ -68,6 +71,7 @@ def posture_figure(
                 | dict(zip(("x_m", "y_m", "z_m"), position, strict=True))
                 | {"share_of_maximum": share_at.get(landmark, np.nan)}
             )
+    fit_panels([panel for panel in axes.flat if panel.has_data()], human)
     draw_load_scale(figure, axes[-1], discs, 0.7)
     return figure, pd.DataFrame(rows)
 
@@ -78,6 +82,7 @@ def representative_times(clip: MotionClip) -> list[float]:
     return [0.0, *(motion.middle(phase.name) * motion.time_step_s for phase in motion.phases)]
 
 
+@house_style()
 def filmstrip(clips: Sequence[MotionClip], times_s: Sequence[float]) -> Figure:
     """One row per clip, one panel per time, seen from the right, joints coloured by load.
 
@@ -93,10 +98,12 @@ def filmstrip(clips: Sequence[MotionClip], times_s: Sequence[float]) -> Figure:
             points = landmarks(clip.human, clip.motion.configuration[tick])
             draw_human(panel, clip.human, points, SIDE, clip.working)
             discs = draw_joint_loads(panel, points, clip.instant(tick).joint_share, SIDE)
-            panel.set_title(f"{clip.phase(tick)}, {time:g} s")
+            set_title(panel, f"{clip.phase(tick)}, {time:g} s")
         for panel in panels[len(times) :]:
             panel.set_axis_off()
-        panels[0].text(-0.06, 0.5, format_label(clip.title), transform=panels[0].transAxes, rotation=90, va="center")
+        fit_panels(panels[: len(times)], clip.human)
+        title = wrapped(format_label(clip.title), 2.0, SETTINGS["font.size"])
+        panels[0].text(-0.06, 0.5, title, transform=panels[0].transAxes, rotation=90, va="center")
     draw_load_scale(figure, axes[-1], discs, 0.8)
     return figure
 

@@ -6,11 +6,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.output.figures.style import look, new_figure
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 
 WIDE = 2  # standard errors that a bar reaches to either side
 
 
+@house_style()
 def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str]) -> Figure:
     """Loss per run as share of its cost, one panel per condition, for one number of cycles.
 
@@ -46,7 +47,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
                 f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), place), (5, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
-        panel.set_title(f"{format_label(condition)}, {n_cycles} cycles")
+        set_title(panel, f"{format_label(condition)}, {n_cycles} cycles")
         panel.set_yticks(range(len(policies)), [format_label(policy) for policy in policies])
         panel.set_ylim(len(policies) - 0.5, -0.5)
         panel.margins(x=0.2)

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.output.figures.style import look, new_figure
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 
 
+@house_style()
 def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
     """Panels of mean ± standard deviation: one row per condition, one column per number of cycles.
 
@@ -24,7 +25,7 @@ def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies
         for column, n_cycles in enumerate(lengths):
             cell = comparison[(comparison["condition"] == condition) & (comparison["n_cycles"] == n_cycles)]
             _panel(axes[row, column], cell, list(policies))
-            axes[row, column].set_title(f"{format_label(condition)}, $n_{{cycles}}$ = {n_cycles}")
+            set_title(axes[row, column], f"{format_label(condition)}, $n_{{cycles}}$ = {n_cycles}")
         axes[row, 0].set_ylabel("discounted accumulated reward\n(mean ± standard deviation)")
     return figure
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.output.figures.style import COLOURS, FigureFolder, new_figure
+from fatigue_planner.output.figures.style import COLOURS, FigureFolder, house_style, new_figure, set_title
 from fatigue_planner.study.sensitivity.conclusions import DECIDING, at_headline
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
@@ -71,6 +71,7 @@ def tornado_table(points: Sequence[Point], gains: pd.DataFrame) -> pd.DataFrame:
     return table.sort_values("factor", key=lambda names: -names.map(swing), kind="stable").reset_index(drop=True)
 
 
+@house_style()
 def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
     """One bar per factor from the least to the largest gain of `tornado_table`, a mark at every level."""
     factors = [name for name in dict.fromkeys(table["factor"]) if name]
@@ -104,10 +105,11 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
     axes.use_sticky_edges = False
     axes.margins(x=0.18)
     axes.set_xlabel("gain, % of the baseline's cost (line: the base experiment)")
-    axes.set_title(title)
+    set_title(axes, title)
     return figure
 
 
+@house_style()
 def importance_figure(table: pd.DataFrame, baselines: Sequence[str]) -> Figure:
     """Bars with bootstrap intervals, the factors in the order of the first baseline, one colour and hatch per baseline.
 
@@ -144,6 +146,7 @@ def trend_table(points: Sequence[Point], gains: pd.DataFrame, factors: Sequence[
     return table.assign(**{name: [levels[point][name] for point in table["point"]] for name in factors})
 
 
+@house_style()
 def trend_figure(table: pd.DataFrame, factors: Mapping[str, FactorSettings], baselines: Sequence[str]) -> Figure:
     """A row of panels per baseline, a column per factor, in each the combinations of `trend_table` with intervals."""
     figure = new_figure(7.0, 2.2 * len(baselines) + 0.3)

@@ -1,12 +1,17 @@
 """One look for all figures, and the folder they are saved in with their data, the same bytes every time."""
 
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.textpath import TextPath
 
 from fatigue_planner.core.files import publish, publish_csv
 
@@ -27,10 +32,40 @@ SETTINGS: Any = {
 }
 
 
+@contextmanager
+def house_style() -> Iterator[None]:
+    """The common style in place of all that matplotlib was set to, which is set again afterwards.
+
+    Also a decorator. Matplotlib reads settings while a figure is made and while it is saved, so both are done in it.
+    """
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        yield
+
+
 def new_figure(width_in: float, height_in: float) -> Figure:
-    """An empty figure in the common style, apart from matplotlib's global state."""
-    mpl.rcParams.update(SETTINGS)
+    """An empty figure, to be filled and saved in the house style."""
+    assert mpl.rcParams["svg.hashsalt"] == SETTINGS["svg.hashsalt"], "a figure is made in house_style()"
     return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def wrapped(text: str, width_in: float, size_pt: float) -> str:
+    """A title broken into lines that are no wider than this, of as many words each as fit."""
+    for columns in range(len(text), 1, -1):
+        lines = textwrap.wrap(text, columns, break_on_hyphens=False)
+        if max(TextPath((0, 0), line, size=size_pt).get_extents().width for line in lines) <= 72 * width_in:
+            return "\n".join(lines)
+    return text
+
+
+def set_title(axes: Axes, text: str, size_pt: float = SETTINGS["axes.titlesize"]) -> None:
+    """Give a panel of a grid a title that does not run into its neighbours'."""
+    specification, figure = axes.get_subplotspec(), axes.get_figure(root=True)
+    assert specification is not None and figure is not None
+    # a quarter is for labels between the panels
+    width_in = 0.75 * float(figure.get_size_inches()[0]) / specification.get_gridspec().ncols
+    axes.set_title("\n".join(wrapped(line, width_in, size_pt) for line in text.splitlines()), fontsize=size_pt)
 
 
 def look(place: int) -> tuple[str, str]:
@@ -38,6 +73,7 @@ def look(place: int) -> tuple[str, str]:
     return MARKERS[place % len(MARKERS)], COLOURS[(place + place // len(MARKERS)) % len(COLOURS)]
 
 
+@house_style()
 def publish_png(path: Path, figure: Figure) -> None:
     """Publish a figure as PNG, the same bytes every time."""
     publish(path, lambda temporary: figure.savefig(temporary, metadata={"Software": "fatplan"}, bbox_inches="tight"))
@@ -60,6 +96,7 @@ class FigureFolder:
         self.folder = folder
         self.files: list[Path] = []
 
+    @house_style()
     def add(self, name: str, figure: Figure, data: pd.DataFrame, caption: str = "", alternative: str = "") -> Picture:
         """Publish name.png, name.svg and the data behind them; returns the picture as a page shows it.
 

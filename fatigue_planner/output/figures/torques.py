@@ -10,7 +10,7 @@ from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import loads
 from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
 from fatigue_planner.output.figures.postures import FEW
-from fatigue_planner.output.figures.style import COLOURS, new_figure
+from fatigue_planner.output.figures.style import COLOURS, house_style, new_figure, set_title
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 MAX_LOADED = 6  # entries drawn over time
@@ -30,6 +30,7 @@ def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, Fatigue
     return pd.DataFrame(rows)
 
 
+@house_style()
 def torque_figure(
     reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
 ) -> tuple[Figure, pd.DataFrame]:
@@ -90,6 +91,7 @@ def _colours(
     return figure
 
 
+@house_style()
 def course_figure(
     reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
 ) -> tuple[Figure, pd.DataFrame]:
@@ -118,7 +120,7 @@ def course_figure(
             ]
         work = motion.phase("work")
         panel.axvspan(work.start * motion.time_step_s, work.stop * motion.time_step_s, color="0.92", zorder=0)
-        panel.set_title(_label(reaction, reactions))
+        set_title(panel, _label(reaction, reactions))
     figure.supxlabel(
         "time in the cycle, s (grey: work; dashed: left side; the six entries with the highest mean load)", fontsize=9
     )
