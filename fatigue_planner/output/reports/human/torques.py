@@ -148,13 +148,13 @@ def reaction_torques(human: Human, tool_mass_kg: float, reactions: Sequence[Reac
     The deviations are of the torques together from the moment.
     """
     header = ["reaction", "joint", "lifting torque, N·m", "torques together, N·m", "moment, N·m", "at rest, N·m"]
-    table = SourcedTable([*header, "fist before the joint, cm", "band, N·m", "verdict"], cited=["plausibility"])
+    table = SourcedTable([*header, "fist in front of the joint, cm", "band, N·m", "verdict"], cited=["plausibility"])
     for reaction in reactions:
         for name, load in mid_work(human, tool_mass_kg, reaction).items():
             label, moment, before = f"{reaction.name}, {LOADED[name].label}", load.moment_nm, 100 * load.fist_before_m
             if load.band:
                 off = signed_percent(deviation_from(moment, load.band))
-                what = f"{label}, {fixed(moment, 0)} N·m ({off}; the fist is {fixed(before, 0)} cm before it)"
+                what = f"{label}, {fixed(moment, 0)} N·m ({off}; the fist is {fixed(before, 0)} cm in front of it)"
                 table.inside[what] = load.band[0] <= moment <= load.band[1]
             if name in THREE_AXES:
                 table.deviations[label] = load.together_nm / moment - 1
