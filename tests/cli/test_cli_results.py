@@ -145,7 +145,7 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     assert len(page) < 10e6
     assert before == {name: (folder / "paper" / name).read_bytes() for name in before}
     assert b"not_significantly" not in page and b"For a novice user, with n_cycles = 5" in page
-    assert b"Not measured: <code>fatplan benchmark --regret --bound</code>" in page
+    assert b"not measured; <code>fatplan benchmark --regret --bound</code>" in page
     noted = json.loads((folder / "paper" / "manifest.json").read_text())["report"]["sha256"]
     assert {"report.html", "figure5a.svg", "estimates.csv", "cycle_maps.csv", "actions_taken.png"} <= set(noted)
 

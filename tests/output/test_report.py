@@ -144,7 +144,7 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
         "    policies: [greedy]\n    others: [alternating]\n"
     )
     text = report(report_data(small, reactions, folder, file), FigureFolder(tmp_path))
-    assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
+    assert "greedy beats alternating" in text and "Of 1 claim of the paper, 1 is reproduced" in text
 
 
 def test_claims_about_another_experiment_are_refused(

@@ -54,16 +54,16 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
     for row, condition in enumerate(conditions):
         for column, group in enumerate(groups):
             panel = axes[row, column]
-            for place, policy in enumerate(policies):
+            for index, policy in enumerate(policies):
                 line = by_line.get((condition, group, policy))
                 if line is None:
                     continue
-                marker, colour = look(place)
+                marker, colour = look(index)
                 every = max(len(line) // 5, 1)
                 trend = line["highest_fatigue"].rolling(SMOOTHED_CYCLES, min_periods=1).mean()
                 panel.plot(
                     line["cycle"], trend, color=colour, marker=marker, markersize=3.5,
-                    markevery=(place * every // len(policies), every), linewidth=1, linestyle=LINES[place % len(LINES)],
+                    markevery=(index * every // len(policies), every), linewidth=1, linestyle=LINES[index % len(LINES)],
                     label=format_label(policy),
                 )  # fmt: skip
             if row == 0:

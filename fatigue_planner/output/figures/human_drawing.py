@@ -45,14 +45,14 @@ def landmarks(human: Human, configuration: Vector) -> dict[str, Vector]:
     """Positions (3,) m of the bodies' frames, fists, soles, shoulders' middle, heels, toes and crown."""
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, configuration)
-    place = {frame.name: data.oMf[i] for i, frame in enumerate(human.model.frames) if frame.name != "universe"}
-    points = {name: pose.translation.copy() for name, pose in place.items()}
+    poses = {frame.name: data.oMf[i] for i, frame in enumerate(human.model.frames) if frame.name != "universe"}
+    points = {name: pose.translation.copy() for name, pose in poses.items()}
     points["shoulders"] = (points["right_upper_arm"] + points["left_upper_arm"]) / 2
-    points["head_centre"] = place["head"].act(np.array([0, 0, 0.065 * human.anthropometry.stature_m]))
+    points["head_centre"] = poses["head"].act(np.array([0, 0, 0.065 * human.anthropometry.stature_m]))
     heel, toe, _, height = human.anthropometry.sole_rectangle()
     for side in SIDES:
         for name, x in (("heel", heel), ("toe", toe)):
-            points[f"{side}_{name}"] = place[f"{side}_foot"].act(np.array([x, 0, height]))
+            points[f"{side}_{name}"] = poses[f"{side}_foot"].act(np.array([x, 0, height]))
     return points
 
 
@@ -92,11 +92,11 @@ def draw_joint_loads(
     axes: Axes, points: Mapping[str, Vector], shares: Mapping[str, float], view: View
 ) -> PathCollection:
     """A disc at every compound joint, coloured by its load as share of strength (0 to 60 %)."""
-    places = np.array([points[joint.child] for joint in JOINTS])
+    centres = np.array([points[joint.child] for joint in JOINTS])
     colours = 100 * np.array([shares[joint.name] for joint in JOINTS])
-    order = np.argsort(places @ view.towards)
+    order = np.argsort(centres @ view.towards)
     return axes.scatter(
-        (places @ view.across)[order], places[order, 2], c=colours[order], cmap="YlOrRd", vmin=0, vmax=60, s=26,
+        (centres @ view.across)[order], centres[order, 2], c=colours[order], cmap="YlOrRd", vmin=0, vmax=60, s=26,
         edgecolors="0.2", linewidths=0.6, zorder=3,
     )  # fmt: skip
 

@@ -47,11 +47,11 @@ def posture_figure(
     for panel in axes.flat:
         panel.set_axis_off()
     rows = []
-    for place, reaction in enumerate(reactions):
+    for index, reaction in enumerate(reactions):
         tick = reaction.motion.middle("work")
         points = landmarks(human, reaction.motion.configuration[tick])
         shares = joint_shares(loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm)
-        row, column = divmod(place, across)
+        row, column = divmod(index, across)
         for number, view in enumerate(views):
             panel = axes[row * len(views) + number, column]
             draw_human(panel, human, points, view, working_hands(reaction))

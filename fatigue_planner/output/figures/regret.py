@@ -23,7 +23,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
     axes = figure.subplots(1, len(conditions), squeeze=False, sharey=True, sharex=True)[0]
     for panel, condition in zip(axes, conditions, strict=True):
         cell = table[table["condition"] == condition].set_index("policy")
-        for place, policy in enumerate(policies):
+        for index, policy in enumerate(policies):
             if policy not in cell.index:
                 continue
             row = cell.loc[policy]
@@ -36,7 +36,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
             )
             panel.errorbar(
                 loss,
-                place,
+                index,
                 xerr=WIDE * spread if spread > 0 else None,
                 fmt=marker,
                 color=colour,
@@ -44,7 +44,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
                 markersize=4.5,
             )
             panel.annotate(
-                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), place), (5, 0),
+                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), index), (5, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
         set_title(panel, f"{format_label(condition)}, {n_cycles} cycles")

@@ -15,7 +15,7 @@ from fatigue_planner.output.figures.style import house_style, look, new_figure, 
 def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
     """Panels of mean ± standard deviation: one row per condition, one column per number of cycles.
 
-    `comparison` is the table of `statistics.comparison`; policies stand in the order of their means,
+    `comparison` is the table of `statistics.comparison`; policies are in the order of their means,
     with the verdict of the test against the next one between them.
     """
     lengths = list(dict.fromkeys(comparison["n_cycles"]))
@@ -35,10 +35,10 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
     high = (cell["mean"] + cell["standard_deviation"]).max()
     span = high - low or abs(high) or 1.0
     rows = cell.to_dict("records")
-    for place, row in enumerate(rows):
+    for index, row in enumerate(rows):
         marker, colour = look(policies.index(row["policy"]))
         axes.errorbar(
-            place,
+            index,
             row["mean"],
             yerr=row["standard_deviation"] or None,
             fmt=marker,
@@ -47,12 +47,12 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
             markersize=5,
         )
     tops = [row["mean"] + row["standard_deviation"] for row in rows]
-    for place, row in enumerate(rows[:-1]):
+    for index, row in enumerate(rows[:-1]):
         if not np.isnan(row["p_value"]):
-            height = max(tops[place : place + 2]) + (0.05 + 0.06 * (place % 2)) * span
+            height = max(tops[index : index + 2]) + (0.05 + 0.06 * (index % 2)) * span
             foot = height - 0.01 * span
-            axes.plot([place, place, place + 1, place + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
-            axes.text(place + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
+            axes.plot([index, index, index + 1, index + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
+            axes.text(index + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
     axes.set_xticks(range(len(rows)), [format_label(row["policy"]) for row in rows], rotation=40, ha="right")
     axes.set_xlim(-0.6, len(rows) - 0.4)
     axes.set_ylim(low - 0.08 * span, high + 0.25 * span)

@@ -78,14 +78,14 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
     base = table.loc[table["factor"] == "", "gain"]
     figure = new_figure(7.0, 0.9 + 0.3 * len(factors))
     axes = figure.subplots()
-    for place, factor in enumerate(factors):
+    for index, factor in enumerate(factors):
         own = table[table["factor"] == factor]
         gains = 100 * pd.concat([own["gain"], base])
-        axes.barh(place, gains.max() - gains.min(), left=gains.min(), height=0.55, color=COLOURS[5], edgecolor="0.3")
-        axes.plot(100 * own["gain"], [place] * len(own), marker="|", color="black", linestyle="none", markersize=9)
+        axes.barh(index, gains.max() - gains.min(), left=gains.min(), height=0.55, color=COLOURS[5], edgecolor="0.3")
+        axes.plot(100 * own["gain"], [index] * len(own), marker="|", color="black", linestyle="none", markersize=9)
         if gains.max() == gains.min():
             axes.annotate(
-                "no effect", (gains.min(), place), (4, 0), textcoords="offset points", va="center", fontsize=7
+                "no effect", (gains.min(), index), (4, 0), textcoords="offset points", va="center", fontsize=7
             )
             continue
         ends = own.sort_values("gain", kind="stable")
@@ -94,7 +94,7 @@ def tornado_figure(table: pd.DataFrame, title: str) -> Figure:
             sides = [(row, side, shift) for row, side, shift in sides if (row["gain"] - base.iloc[0]) * shift > 0]
         for row, side, shift in sides:
             axes.annotate(
-                format_label(row["level"]), (100 * row["gain"], place), (shift, 0), textcoords="offset points", ha=side,
+                format_label(row["level"]), (100 * row["gain"], index), (shift, 0), textcoords="offset points", ha=side,
                 va="center", fontsize=7,
             )  # fmt: skip
     for value in base:
@@ -122,12 +122,12 @@ def importance_figure(table: pd.DataFrame, baselines: Sequence[str]) -> Figure:
     for number, baseline in enumerate(baselines):
         own = 100 * table[table["baseline"] == baseline].set_index("factor")[["share", "share_low", "share_high"]]
         own = own.loc[factors]
-        places = np.arange(len(factors)) + (number - (len(baselines) - 1) / 2) * height
+        heights = np.arange(len(factors)) + (number - (len(baselines) - 1) / 2) * height
         axes.barh(
-            places, own["share"], height, color=COLOURS[number % len(COLOURS)], edgecolor="white",
+            heights, own["share"], height, color=COLOURS[number % len(COLOURS)], edgecolor="white",
             hatch=HATCHES[number % len(HATCHES)], label=f"over {format_label(baseline)}",
         )  # fmt: skip
-        axes.hlines(places, own["share_low"], own["share_high"], color="black", linewidth=0.8)
+        axes.hlines(heights, own["share_low"], own["share_high"], color="black", linewidth=0.8)
     axes.axvline(0, color="0.3", linewidth=0.8)
     axes.set_yticks(range(len(factors)), [format_label(factor) for factor in factors])
     axes.invert_yaxis()

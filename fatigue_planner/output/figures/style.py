@@ -68,9 +68,9 @@ def set_title(axes: Axes, text: str, size_pt: float = SETTINGS["axes.titlesize"]
     axes.set_title("\n".join(wrapped(line, width_in, size_pt) for line in text.splitlines()), fontsize=size_pt)
 
 
-def look(place: int) -> tuple[str, str]:
-    """Marker and colour of the policy at a place of the experiment's order; both tell it apart."""
-    return MARKERS[place % len(MARKERS)], COLOURS[(place + place // len(MARKERS)) % len(COLOURS)]
+def look(index: int) -> tuple[str, str]:
+    """Marker and colour of the policy with this index in the experiment's order; either tells it apart."""
+    return MARKERS[index % len(MARKERS)], COLOURS[(index + index // len(MARKERS)) % len(COLOURS)]
 
 
 @house_style()

@@ -56,13 +56,13 @@ def _bars(
     figure = new_figure(7.2, 0.55 + 0.062 * max(len(entries), 4) * (len(reactions) + 1))
     axes = figure.subplots()
     height = 0.85 / len(reactions)
-    for place, reaction in enumerate(reactions):
+    for index, reaction in enumerate(reactions):
         axes.barh(
-            np.arange(len(entries)) + (place - (len(reactions) - 1) / 2) * height,
-            100 * shares[place],
+            np.arange(len(entries)) + (index - (len(reactions) - 1) / 2) * height,
+            100 * shares[index],
             height,
-            color=COLOURS[place % len(COLOURS)],
-            hatch="" if place < len(COLOURS) else "///",
+            color=COLOURS[index % len(COLOURS)],
+            hatch="" if index < len(COLOURS) else "///",
             label=_label(reaction, reactions),
         )
     for threshold in thresholds:
@@ -104,8 +104,8 @@ def course_figure(
     rows = []
     for panel in axes.flat[len(reactions) :]:
         panel.set_axis_off()
-    for place, (reaction, share) in enumerate(zip(reactions, shares, strict=True)):
-        panel, motion = axes.flat[place], reaction.motion
+    for index, (reaction, share) in enumerate(zip(reactions, shares, strict=True)):
+        panel, motion = axes.flat[index], reaction.motion
         every = max(round(0.1 / motion.time_step_s), 1)
         times = np.arange(0, len(share), every) * motion.time_step_s
         for colour, entry in enumerate(drawn):

@@ -62,7 +62,7 @@ def _prose(words: str) -> Markup:
 def _figure(picture: Picture, number: int) -> Markup:
     data = base64.b64encode(picture.svg.encode()).decode()
     return Markup(
-        '<figure><img src="data:image/svg+xml;base64,{}" alt="{}">\n'
+        '<figure><div class="scroll"><img src="data:image/svg+xml;base64,{}" alt="{}"></div>\n'
         '<figcaption><b>Figure {}.</b> {} <span class="words">In words: {}</span> '
         'Data: <a href="{}">{}</a>.</figcaption></figure>\n'
     ).format(

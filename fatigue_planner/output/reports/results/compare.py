@@ -20,7 +20,7 @@ from fatigue_planner.study.statistics.contrast import Contrast
 from fatigue_planner.study.statistics.contrasts import side_by_side
 from fatigue_planner.study.statistics.pairing import records
 
-# Of what the manifest says, these are not settings of the experiment.
+# These keys of the manifest decide no number.
 IRRELEVANT = ("figures",)
 MAX_NAMED = 5  # cells that are in one folder only
 
@@ -40,7 +40,7 @@ class Comparison:
     @property
     def pairing(self) -> str:
         """How runs are paired, in words."""
-        worlds = "in the same worlds" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
+        worlds = "with the same random numbers" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
         return f"paired by trial, {worlds}"
 
 
@@ -98,7 +98,7 @@ def compare_text(found: Comparison) -> str:
     lines = [f"A: {found.names[0]}", f"B: {found.names[1]}", ""]
     for title, differences in (("settings", found.settings), ("versions", found.versions)):
         lines.append(f"The {title} are the same." if not differences else f"Different {title} (A, B):")
-        lines += [f"  {name}: {one}, {other}" for name, (one, other) in differences.items()]
+        lines += [f"  {name}: {a}, {b}" for name, (a, b) in differences.items()]
     for name, cells in zip("AB", found.only, strict=True):
         if cells:
             lines.append(f"Only in {name}: {_few(cells)}.")
@@ -154,7 +154,7 @@ def compare_page(found: Comparison, figures: FigureFolder, name: str) -> str:
         Section("Returns", [*blocks, Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file)])
     ]
     for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
-        rows = [[name, one, other] for name, (one, other) in differences.items()]
+        rows = [[name, *values] for name, values in differences.items()]
         block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")
         sections.append(Section(title, [block]))
     alone = [Text(f"Only in {name}: {_few(cells)}.") for name, cells in zip("AB", found.only, strict=True) if cells]

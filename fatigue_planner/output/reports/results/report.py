@@ -51,7 +51,7 @@ def report(report_data: ReportData, figures: FigureFolder) -> str:
     return page(
         f"Results of the experiment {report_data.experiment.name}",
         f"Written by fatplan {versions()['fatplan']} from {report_data.file.name} and the tables beside this page; no "
-        "number is typed.",
+        "number was typed by hand.",
         [Points(found)],
         [section for section in sections if section is not None],
     )

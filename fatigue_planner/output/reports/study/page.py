@@ -39,7 +39,9 @@ def study_page(study: FinishedStudy, command: str) -> str:
         Section("What cannot be performed", infeasible(study, "")),
         Section("Provenance", provenance),
     ]
-    subtitle = f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number is typed."
+    subtitle = (
+        f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number was typed by hand."
+    )
     title = f"When does planning pay? The study {note.study.name}"
     return page(title, subtitle, [lessons(study)], [section for section in sections if section is not None])
 
@@ -69,10 +71,10 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
     ]  # fmt: skip
     caption = (
         f"What `{headline.planner}` gains over each baseline ({format_label(headline.condition)}, {headline.n_cycles} "
-        "cycles), and which settings decide it: the share of the gain's variance over all combinations that a setting "
-        "explains alone, with a 95 % bootstrap interval and p corrected for all settings (permutations); the same of "
-        "the gains' ranks, which a few very large gains do not rule; and how far it moves the gain alone "
-        "(largest minus smallest)."
+        "cycles), and which settings decide it: the fraction of the gain's variance over all combinations that a "
+        "setting explains alone, with a 95 % bootstrap interval and a p value corrected for all settings "
+        "(permutations); the same for the ranks of the gains, which a few very large gains do not dominate; and how "
+        "far the setting alone moves the gain (largest minus smallest)."
     )
     header = [
         "gain over",
@@ -104,7 +106,9 @@ def over_all_cells(study: FinishedStudy, where: str) -> Table:
             ["planner", "baseline", "condition", "n_cycles"], sort=False
         )
     ]  # fmt: skip
-    caption = "At the combinations of all settings: how often a planner is significantly better or worse, and its gain."
+    caption = (
+        "At the combinations of all settings: how often each planner is significantly better or worse, and its gain."
+    )
     header = ["planner", "over", "condition", "cycles", "better / worse", "median gain", "least to most"]
     return Table(caption, header, rows, f"{where}gains.csv")
 
@@ -139,7 +143,7 @@ def tried(study: FinishedStudy, where: str) -> Table:
         for row in records(study.tables["factors"])
     ]
     header = ["setting", "levels alone", "the experiment's own", "why these"]
-    return Table("What was changed: one setting at a time, and all at once.", header, rows, f"{where}factors.csv")
+    return Table("The settings that were changed, one at a time and all at once.", header, rows, f"{where}factors.csv")
 
 
 def infeasible(study: FinishedStudy, where: str) -> list[Block]:
@@ -151,10 +155,10 @@ def infeasible(study: FinishedStudy, where: str) -> list[Block]:
     summary = listing(
         [f"{lost[design]} of {count} points of the design `{design}`" for design, count in counts.items()]
     )
-    blocks: list[Block] = [Text(f"Cannot be performed, and are left out above: {summary}.")]
+    blocks: list[Block] = [Text(f"The digital human cannot perform {summary}; these are left out above.")]
     if len(failed):
         rows = [[row["point"], _short(str(row["reason"]))] for row in records(failed)]
-        blocks.append(Table("Why not.", ["point", "reason"], rows, f"{where}points.csv"))
+        blocks.append(Table("The reasons.", ["point", "reason"], rows, f"{where}points.csv"))
     return blocks
 
 
@@ -193,7 +197,7 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
         )
     else:
         baseline = name.removeprefix("tornado_")
-        caption = f"How far each setting alone moves what `{planner}` gains over `{baseline}`; a mark is a level."
+        caption = f"How far each setting alone moves what `{planner}` gains over `{baseline}`; each mark is a level."
         widest = list(dict.fromkeys(data["factor"].dropna()))[:WIDEST]
         alternative = listing(
             [

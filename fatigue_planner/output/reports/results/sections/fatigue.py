@@ -19,9 +19,9 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
     }
     table = fatigue_table(fatigue)
     caption = (
-        f"Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints, mean over the "
-        f"runs of {longest} cycles and the last {SMOOTHED_CYCLES} cycles, for the groups that end up most tired. The "
-        "data are of all groups and single cycles."
+        "Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints: the mean over "
+        f"the runs of {longest} cycles and a moving mean over {SMOOTHED_CYCLES} cycles, for the groups that end up "
+        "most tired. The data file has all groups and every single cycle."
     )
     last = table[table["cycle"] == longest]
     sentences = []
@@ -34,7 +34,7 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
             else f"{format_label(group)} ends between {low} ({format_label(str(mean.idxmin()))}) and {high} "
             f"({format_label(str(mean.idxmax()))})"
         )
-    alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
+    alternative = f"after {longest} cycles, averaged over the conditions, " + listing(sentences) + "."
     return Section(
         "Fatigue over the cycles",
         [figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative)],

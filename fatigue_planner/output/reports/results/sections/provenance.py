@@ -1,4 +1,4 @@
-"""What made the results, so that anybody can make them again."""
+"""How the results were made, so that anybody can make them again."""
 
 import hashlib
 import json
@@ -22,16 +22,16 @@ def provenance_section(report_data: ReportData, figures: FigureFolder) -> Sectio
     return Section(
         "Provenance",
         [
-            Text("These commands make this page and every number in it again:"),
+            Text("These commands make this page and every number on it again:"),
             Code("\n".join(report_data.commands)),
             Text(
-                f"Seed {seed}: the world of a run is drawn from seed, condition, number of cycles and trial, the "
-                "planner's chance from these and the policy's name, so that the tables are the same bytes whatever "
-                "the number of workers."
+                f"The seed is {seed}. The random numbers of a run follow from the seed, the condition, the number of "
+                "cycles and the trial; those of the planner also from the policy's name. So the tables have the same "
+                "bytes whatever the number of processes."
             ),
-            Table("Versions, of the tables and of this page.", ["what", "tables", "page"], versions_used),
-            Table("SHA-256 of the files and the digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
-            Text("The configuration, complete:"),
+            Table("The versions that made the tables and this page.", ["what", "tables", "page"], versions_used),
+            Table("SHA-256 of the files, and digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
+            Text("The complete configuration:"),
             Code(configuration),
         ],
     )

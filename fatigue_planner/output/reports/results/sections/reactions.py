@@ -57,19 +57,19 @@ def draw_reactions(
         suffix, whose = (f"_{worker}", f" of {format_label(worker)}") if several else ("", "")
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
         figure, table = posture_figure(build_human(person), own, parameters[worker])
-        caption = f"The reactions{whose} in the middle of the work; discs: the largest load at each joint."
+        caption = f"The reactions{whose} in the middle of the work. The discs show the largest load at each joint."
         pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
         if len(own) <= FEW:
             figure, table = course_figure(own, parameters)
-            caption = f"Loads{whose} over the cycle: the entries with the highest mean load."
+            caption = f"The loads{whose} over the cycle, of the entries with the highest mean load."
             pictures.append(figures.add(f"courses{suffix}", figure, table, caption, _peaks(table)))
         map_figure = place_figure(places, worker, list(experiment.preferences))
         if map_figure is not None:
             table = places[places["worker"] == worker]
-            caption = f"What it costs{whose} to work at each place."
+            caption = f"The long-run cost{whose} of working at each position of the hand."
             pictures.append(figures.add(f"places{suffix}", map_figure, table, caption, _cheapest_and_dearest(table)))
     figure, table = torque_figure(reactions, parameters)
-    caption = "Mean loads during work above the threshold of fatigue, as share of the worker's strength."
+    caption = "Mean loads during work that exceed the threshold of fatigue, in per cent of the worker's strength."
     return [*pictures, figures.add("torques", figure, table, caption, _heaviest_entries(table))]
 
 
@@ -145,7 +145,7 @@ def _torques(report_data: ReportData) -> Table:
         for row in records(group.nlargest(LARGEST, "share_of_maximum"))
     ]
     caption = f"The {LARGEST} largest mean loads of each reaction during work."
-    return Table(caption, ["reaction", "entry", "torque, N·m", "share of strength"], rows, "torques.csv")
+    return Table(caption, ["reaction", "entry", "torque, N·m", "of the strength"], rows, "torques.csv")
 
 
 def _maps(report_data: ReportData, maps: pd.DataFrame, file: str) -> Table:
@@ -157,7 +157,7 @@ def _maps(report_data: ReportData, maps: pd.DataFrame, file: str) -> Table:
     ]
     caption = (
         "What one cycle does to fatigue: f′ = gain · f + offset, exactly (Eq. 2 over the whole cycle); the largest "
-        "offsets, and where f settles if the reaction is repeated for ever."
+        "offsets, and the value at which f settles if the reaction is repeated for ever."
     )
     header = ["reaction", "entry", "gain", "offset", "fatigue if repeated"]
     return Table(caption, header, rows, file)

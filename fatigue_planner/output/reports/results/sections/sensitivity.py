@@ -20,4 +20,6 @@ def sensitivity_section(report_data: ReportData, figures: FigureFolder) -> Secti
     claims = claims_over_points(study, where)
     if claims is not None:
         blocks += claims.blocks
-    return Section(title, [*blocks, Text(f"What was tried, and why these levels: `{where}{REPORT_FILE}`.")])
+    return Section(
+        title, [*blocks, Text(f"All settings, their levels and the reasons for them are in `{where}{REPORT_FILE}`.")]
+    )

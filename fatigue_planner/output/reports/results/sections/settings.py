@@ -51,8 +51,8 @@ def settings_section(report_data: ReportData, figures: FigureFolder) -> Section 
         "What the paper fixes, and what was chosen",
         [
             Text(
-                f"`{file.name}` marks {len(found)} settings or groups of them: {fixed} are the paper's, "
-                f"{len(found) - fixed} it leaves open, so that they were chosen."
+                f"`{file.name}` marks {len(found)} settings or groups of settings: {fixed} are the paper's; the "
+                f"paper leaves {len(found) - fixed} open, so they were chosen."
             ),
             Table("Marked settings, as the file gives them.", ["setting", "value", "from", "comment"], rows),
         ],
