@@ -19,7 +19,7 @@ from fatigue_planner.core.executors.processes import LocalProcesses, available_c
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.output.figures.style import COLOURS, MARKERS, new_figure, publish_png
+from fatigue_planner.output.figures.style import COLOURS, MARKERS, house_style, new_figure, publish_png
 from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
@@ -95,6 +95,7 @@ def draw(axes: Axes, belief: ExactBelief, c: float) -> None:
     axes.set_xlabel("descents")
 
 
+@house_style()
 def main() -> None:
     belief = single_novice()
     figure = new_figure(9.0, 3.0)

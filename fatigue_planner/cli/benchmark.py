@@ -216,7 +216,7 @@ def _plan(experiment: "Experiment", grid: "Sequence[Cell]", store: Path, jobs: i
 
 
 def _plan_text(plan: Mapping[str, Any]) -> str:
-    from fatigue_planner.output.reports.html.blocks import counted
+    from fatigue_planner.core.text import counted
     from fatigue_planner.study.benchmark.estimate import duration_text
 
     lines = [

@@ -270,7 +270,7 @@ def _shown(value: Any) -> str:
 
 
 def _counted(number: int, what: str) -> str:
-    from fatigue_planner.output.reports.html.blocks import counted
+    from fatigue_planner.core.text import counted
 
     return counted(number, what)
 

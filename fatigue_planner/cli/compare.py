@@ -22,9 +22,9 @@ def compare(
     Each policy of A is compared with the same policy of B, run by run.
     """
     from fatigue_planner.core.files import publish_text, writable_folder
+    from fatigue_planner.output.figures.style import FigureFolder
     from fatigue_planner.output.reports.results.compare import compare as compared
     from fatigue_planner.output.reports.results.compare import compare_page, compare_text
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
     from fatigue_planner.study.statistics.pairing import records
 
     if save is not None and save.suffix.lower() != ".html":

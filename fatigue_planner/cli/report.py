@@ -28,7 +28,7 @@ from fatigue_planner.cli.options import (
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+    from fatigue_planner.output.figures.style import FigureFolder
     from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -72,7 +72,7 @@ def report(
     settings = selected(load_experiment(file), wanted)
     folder = experiment if experiment.is_dir() else results / (settings.name + wanted.suffix())
     from fatigue_planner.core.provenance import publish_manifest
-    from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+    from fatigue_planner.output.figures.style import FigureFolder
     from fatigue_planner.reactions.reaction import digests
 
     simulate = command_line("simulate", file, cache)
@@ -100,7 +100,8 @@ def _draw(
     """Figures of the returns, if the experiment names some, and of the reactions; the command makes the tables."""
     from fatigue_planner.core.files import writable_folder
     from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
-    from fatigue_planner.output.reports.results.drawings import draw_reactions, draw_returns
+    from fatigue_planner.output.reports.results.sections.reactions import draw_reactions
+    from fatigue_planner.output.reports.results.sections.returns import draw_returns
     from fatigue_planner.study.benchmark.results import load_results
 
     if settings.figures:
@@ -120,21 +121,19 @@ def _write_page(
 ) -> Path:
     """The page, its figures beside it; `commands` make the reactions, the tables and the page."""
     from fatigue_planner.core.files import publish_text
-    from fatigue_planner.experiment.build import cycle_profiles
+    from fatigue_planner.experiment.loader import find_shipped
     from fatigue_planner.output.reports.html.page import REPORT_FILE
     from fatigue_planner.output.reports.results.report import report as report_page
     from fatigue_planner.output.reports.results.report_data import ReportData
     from fatigue_planner.output.reports.study.finished import study_of
-    from fatigue_planner.study.benchmark.results import courses, load_results
-    from fatigue_planner.study.benchmark.selection import cells
+    from fatigue_planner.study.benchmark.results import load_results
 
     simulate, benchmark, own = commands
-    tables = load_results(settings, figures.folder, benchmark)
-    profiles = cycle_profiles(settings, reactions)
-    grid = cells(settings, profiles)
-    report_data = ReportData(settings, reactions, profiles, tables, courses(grid, tables, figures.folder))
-    study = study_of(settings, figures.folder.parent)
+    folder = figures.folder
+    tables = load_results(settings, folder, benchmark)
+    study = study_of(settings, folder.parent)
     shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
-    path = figures.folder / REPORT_FILE
-    publish_text(path, report_page(report_data, figures, file, shown, study))
+    path = folder / REPORT_FILE
+    report_data = ReportData(settings, reactions, tables, folder, find_shipped(file), shown, study)
+    publish_text(path, report_page(report_data, figures))
     return path

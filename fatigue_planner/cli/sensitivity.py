@@ -112,8 +112,8 @@ def _publish(
     """Write all tables, figures and the page; the JSON document, and the names of the files for people."""
     from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
+    from fatigue_planner.output.figures.sensitivity import draw_study
     from fatigue_planner.output.reports.html.page import REPORT_FILE
-    from fatigue_planner.output.reports.study.drawings import draw_study
     from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study
     from fatigue_planner.output.reports.study.page import study_page
     from fatigue_planner.study.sensitivity.reactions import unique_digests

@@ -110,7 +110,7 @@ def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], st
 
 
 def _size(experiment: "Experiment") -> str:
-    from fatigue_planner.output.reports.html.blocks import counted
+    from fatigue_planner.core.text import counted
 
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)

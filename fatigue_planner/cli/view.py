@@ -62,11 +62,11 @@ def view(
     writable_folder(path.parent)
     clips = _motion_clips(settings, reaction or [], cache, command_line("simulate", experiment, cache))
     if kind == ".png":
+        from fatigue_planner.output.figures.postures import filmstrip
         from fatigue_planner.output.figures.style import publish_png
-        from fatigue_planner.output.viewer.filmstrip import strip
 
         _check_times(at or [], clips)
-        figure = strip(clips, at or [])
+        figure = filmstrip(clips, at or [])
         publish_png(path, figure)
     else:
         from fatigue_planner.output.viewer.page import page

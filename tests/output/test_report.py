@@ -12,34 +12,26 @@ from published import COMMAND, publish
 
 from fatigue_planner.core.errors import ClaimsError
 from fatigue_planner.core.provenance import publish_manifest
+from fatigue_planner.core.text import listing, percent, percent_range, significant
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import ENTRIES, JOINT_GROUPS, highest_fatigue
 from fatigue_planner.output.figures.estimates import estimate_table
 from fatigue_planner.output.figures.fatigue_course import fatigue_table
-from fatigue_planner.output.reports.html.blocks import (
-    Code,
-    Picture,
-    Points,
-    Section,
-    Table,
-    Text,
-    listing,
-    percent,
-    percent_range,
-    significant,
-)
+from fatigue_planner.output.figures.style import FigureFolder, Picture
+from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.output.reports.results.report import report
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.settings import origins
 from fatigue_planner.output.reports.study.finished import study_of
 from fatigue_planner.reactions.reaction import Reaction, digests
-from fatigue_planner.study.benchmark.results import courses, load_results
-from fatigue_planner.study.benchmark.selection import Selection, cells, selected
+from fatigue_planner.study.benchmark.results import load_results
+from fatigue_planner.study.benchmark.selection import Selection, selected
+
+UNCLAIMED = PAPER.with_name("planners.yaml")  # no file of claims lies beside it
 
 
 class Page(HTMLParser):
@@ -73,10 +65,11 @@ def folder(small: Experiment, reactions: tuple[Reaction, ...], tmp_path_factory:
     return folder
 
 
-def report_data(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> ReportData:
+def report_data(
+    experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path, file: Path = UNCLAIMED
+) -> ReportData:
     tables = load_results(experiment, folder, COMMAND)
-    profiles = cycle_profiles(experiment, reactions)
-    return ReportData(experiment, reactions, profiles, tables, courses(cells(experiment, profiles), tables, folder))
+    return ReportData(experiment, reactions, tables, folder, file, ["fatplan simulate", "fatplan report"], None)
 
 
 @pytest.fixture(scope="module")
@@ -86,9 +79,7 @@ def made(
     file = tmp_path_factory.mktemp("experiment") / "mine.yaml"
     file.write_text(PAPER.read_text())
     figures = FigureFolder(folder)
-    return report(
-        report_data(small, reactions, folder), figures, file, ["fatplan simulate", "fatplan report"], None
-    ), figures
+    return report(report_data(small, reactions, folder, file), figures), figures
 
 
 def test_the_page_stands_alone(made: tuple[str, FigureFolder]) -> None:
@@ -121,9 +112,7 @@ def test_the_same_tables_make_the_same_page_and_stay_as_they_are(
     before = {path.name: path.read_bytes() for path in folder.glob("*.csv")}
     file = tmp_path / "mine.yaml"
     file.write_text(PAPER.read_text())
-    again = report(
-        report_data(small, reactions, folder), FigureFolder(folder), file, ["fatplan simulate", "fatplan report"], None
-    )
+    again = report(report_data(small, reactions, folder, file), FigureFolder(folder))
     assert again == made[0]
     assert {path.name: path.read_bytes() for path in folder.glob("*.csv")} == before
 
@@ -136,9 +125,7 @@ def test_the_page_says_what_the_tables_say(
     other = selected(small, Selection(None, None, None, None, None, 1))
     elsewhere = folder / "other"
     publish(other, reactions, elsewhere)
-    text = report(
-        report_data(other, reactions, elsewhere), FigureFolder(elsewhere), PAPER.with_name("planners.yaml"), ["x"], None
-    )
+    text = report(report_data(other, reactions, elsewhere), FigureFolder(elsewhere))
     assert "seed 1." in text and "seed 2023." in made[0]
     trials = pd.read_csv(folder / "trials.csv")
     mean = trials[trials["policy"] == "alternating"].groupby("condition")["discounted_return"].mean()["single_novice"]
@@ -156,8 +143,8 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
         "    conditions: [single_novice]\n    n_cycles: [5]\n    relation: better_mean\n"
         "    policies: [greedy]\n    others: [alternating]\n"
     )
-    text = report(report_data(small, reactions, folder), FigureFolder(tmp_path), file, [], None)
-    assert "greedy beats alternating" in text and "Of 1 claims of the paper, 1 reproduced" in text
+    text = report(report_data(small, reactions, folder, file), FigureFolder(tmp_path))
+    assert "greedy beats alternating" in text and "Of 1 claim of the paper, 1 is reproduced" in text
 
 
 def test_claims_about_another_experiment_are_refused(
@@ -169,7 +156,7 @@ def test_claims_about_another_experiment_are_refused(
     text = PAPER.with_name("paper_claims.yaml").read_text().replace("experiment: paper.yaml", "experiment: other.yaml")
     (tmp_path / "mine_claims.yaml").write_text(text)
     with pytest.raises(ClaimsError, match=r"experiment: is .*other.yaml; should be mine.yaml"):
-        report(report_data(small, reactions, folder), FigureFolder(tmp_path), file, [], None)
+        report(report_data(small, reactions, folder, file), FigureFolder(tmp_path))
 
 
 def test_shares_are_of_the_anchors_cost(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
@@ -245,8 +232,8 @@ def test_blocks_are_escaped_and_numbered() -> None:
 
 def test_words() -> None:
     assert (significant(-0.00123456), significant(float("nan"))) == ("−0.00123", "n/a")
-    assert (percent(0.12345, 1), percent(-0.5, 0), percent(float("nan"))) == ("12.3\u00a0%", "−50\u00a0%", "n/a")
-    assert percent_range(-0.01, 0.02, 0) == "−1 to 2\u00a0%"
+    assert (percent(0.12345, 1), percent(-0.5, 0), percent(float("nan"))) == ("12.3 %", "−50 %", "n/a")
+    assert percent_range(-0.01, 0.02, 0) == "−1 to 2 %"
     assert [listing(items) for items in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]
 
 

@@ -28,7 +28,7 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import BODIES, JOINTS
-from fatigue_planner.output.viewer.filmstrip import strip
+from fatigue_planner.output.figures.postures import filmstrip
 from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
 from fatigue_planner.output.viewer.page import FRAMES_PER_S, page
 from fatigue_planner.output.viewer.scene import (
@@ -176,10 +176,10 @@ def test_the_skin_is_closed_and_of_the_bodys_size(shown: MotionClip) -> None:
 
 
 def test_the_strip_has_a_panel_per_reaction_and_time(clips: list[MotionClip]) -> None:
-    figure = strip(clips[:2], [0.0, 8.0, 16.0])
+    figure = filmstrip(clips[:2], [0.0, 8.0, 16.0])
     panels = [axes for axes in figure.axes if axes.get_title()]
     assert [axes.get_title() for axes in panels] == ["reach, 0 s", "work, 8 s", "return, 16 s"] * 2
-    assert len([axes for axes in strip(clips, []).axes if axes.get_title()]) == 16
+    assert len([axes for axes in filmstrip(clips, []).axes if axes.get_title()]) == 16
 
 
 def test_the_command_saves_a_png(cache_folder: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from fatigue_planner.core.errors import ExperimentError, LostWorkError
 from fatigue_planner.core.executors.executor import Lost
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.random_streams import random_stream
+from fatigue_planner.core.text import brief_percent
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.cache import ReactionCache
@@ -27,7 +28,7 @@ from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.evaluation import Judgements
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.claims.relations import ClaimJudgement
-from fatigue_planner.study.sensitivity.conclusions import lessons, percent
+from fatigue_planner.study.sensitivity.conclusions import lessons
 from fatigue_planner.study.sensitivity.design import Point, design
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table, paired_gain
@@ -414,7 +415,7 @@ def test_five_sentences_follow_from_the_tables(study: Study, synthetic: Any) -> 
     changed = sentences(study, synthetic, gone)
     assert "can perform 30; planning is significantly better than greedy in 29 of 30 and worse in 1" in changed[0]
     most = gains[gains["point"].str.startswith("c")].sort_values("gain").iloc[-1]
-    assert f"the largest gain is at {most['point']}," in text[3] and percent(most["gain"]) in text[3]
+    assert f"the largest gain is at {most['point']}," in text[3] and brief_percent(most["gain"]) in text[3]
     alone = gains[~gains["point"].str.startswith("c")]
     assert sentences(study, synthetic, alone) == [
         "Of 32 combinations of all 3 settings the digital human can perform 0, so there is nothing to compare."
@@ -446,7 +447,7 @@ def test_claims_are_counted_over_points(study: Study, synthetic: Any) -> None:
     [(0.01, "1 %"), (0.1234, "12.3 %"), (0.00456, "0.46 %"), (-0.02, "−2 %"), (0.0, "0 %"), (-0.0, "0 %")],
 )
 def test_percent(share: float, text: str) -> None:
-    assert percent(share) == text
+    assert brief_percent(share) == text
 
 
 @pytest.mark.slow

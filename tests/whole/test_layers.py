@@ -18,7 +18,7 @@ ROOMS = [
 # The same inside the rooms that have several: from the ground up.
 INNER_ROOMS = {
     "study": ["statistics", "benchmark", "claims", "sensitivity"],
-    "output": ["figures", "reports", "viewer"],
+    "output": ["viewer", "figures", "reports"],
     "planners": ["pomcp", "bounds"],
 }
 MAX_ROOMS, MAX_FLOORS = 12, 10

@@ -1,4 +1,4 @@
-"""What Figure 5 shows, as estimates: how much each policy costs against one of them, with intervals."""
+"""What Figure 5 shows, as estimates: how much more each policy costs than one of them, with intervals."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 from fatigue_planner.study.statistics.contrast import contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of
 
@@ -15,9 +16,9 @@ WIDTH_IN = 7.2
 
 
 def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -> pd.DataFrame:
-    """Cost of every policy minus the anchor's in the same worlds, as share of the anchor's, with its interval.
+    """Cost of every policy minus the anchor's with the same random numbers, as a fraction of the anchor's.
 
-    Positive: costs more than the anchor. Pairs that no family compares are left out.
+    With its interval; positive: costs more than the anchor. Pairs that no family compares are left out.
     """
     rows = []
     for condition, n_cycles, cell in cells_of(trials):
@@ -36,6 +37,7 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
     return pd.DataFrame(rows)
 
 
+@house_style()
 def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str]) -> Figure:
     """Panels of intervals: one row per condition, one column per number of cycles; the margin is shaded."""
     conditions, lengths = list(dict.fromkeys(table["condition"])), list(dict.fromkeys(table["n_cycles"]))
@@ -46,24 +48,22 @@ def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str])
         for column, n_cycles in enumerate(lengths):
             cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
             _panel(axes[row, column], cell, margin, shown, list(policies))
-            axes[row, column].set_title(f"{words(str(condition))}, {n_cycles} cycles")
-    anchor = words(str(table["anchor"].iloc[0]))
-    figure.supxlabel(
-        f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, as good as equal)", fontsize=9
-    )
+            set_title(axes[row, column], f"{format_label(str(condition))}, {n_cycles} cycles")
+    anchor = format_label(str(table["anchor"].iloc[0]))
+    figure.supxlabel(f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, equivalent)", fontsize=9)
     return figure
 
 
 def _panel(axes: Axes, cell: pd.DataFrame, margin: float, shown: Sequence[str], policies: list[str]) -> None:
     axes.axvspan(-100 * margin, 100 * margin, color="0.9", zorder=0, linewidth=0)
     axes.axvline(0, color="0.4", linewidth=0.8)
-    for place, policy in enumerate(shown):
+    for index, policy in enumerate(shown):
         if policy not in cell.index:
             continue
         columns = ["extra_cost_share", "low_share", "high_share"]
         centre, low, high = (100 * number for number in cell.loc[policy, columns].to_numpy(dtype=float))
         marker, colour = look(policies.index(policy))
         error = None if np.isnan(low) else [[centre - low], [high - centre]]
-        axes.errorbar(centre, place, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)
-    axes.set_yticks(range(len(shown)), [words(policy) for policy in shown])
+        axes.errorbar(centre, index, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)
+    axes.set_yticks(range(len(shown)), [format_label(policy) for policy in shown])
     axes.set_ylim(len(shown) - 0.5, -0.5)

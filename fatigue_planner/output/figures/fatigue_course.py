@@ -7,8 +7,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.parameters import highest_fatigue
-from fatigue_planner.output.figures.style import LINES, look, new_figure, words
+from fatigue_planner.output.figures.style import LINES, house_style, look, new_figure, set_title
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,7 @@ def most_tired(table: pd.DataFrame) -> list[str]:
     return [str(group) for group in mean.sort_values(ascending=False, kind="stable").index[:SHOWN]]
 
 
+@house_style()
 def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
     """One row of panels per condition, one column for each of the most tired groups, one line per policy."""
     conditions, groups = list(dict.fromkeys(table["condition"])), most_tired(table)
@@ -52,22 +54,22 @@ def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
     for row, condition in enumerate(conditions):
         for column, group in enumerate(groups):
             panel = axes[row, column]
-            for place, policy in enumerate(policies):
+            for index, policy in enumerate(policies):
                 line = by_line.get((condition, group, policy))
                 if line is None:
                     continue
-                marker, colour = look(place)
+                marker, colour = look(index)
                 every = max(len(line) // 5, 1)
                 trend = line["highest_fatigue"].rolling(SMOOTHED_CYCLES, min_periods=1).mean()
                 panel.plot(
                     line["cycle"], trend, color=colour, marker=marker, markersize=3.5,
-                    markevery=(place * every // len(policies), every), linewidth=1, linestyle=LINES[place % len(LINES)],
-                    label=words(policy),
+                    markevery=(index * every // len(policies), every), linewidth=1, linestyle=LINES[index % len(LINES)],
+                    label=format_label(policy),
                 )  # fmt: skip
             if row == 0:
-                panel.set_title(words(group))
+                set_title(panel, format_label(group))
             if column == 0:
-                panel.set_ylabel(words(condition))
+                panel.set_ylabel(format_label(condition))
     for panel in axes[-1]:
         panel.set_xlabel("cycle")
     figure.supylabel("fatigue, mean over runs", fontsize=9)

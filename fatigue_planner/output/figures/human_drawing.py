@@ -8,6 +8,7 @@ import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Human
@@ -44,14 +45,14 @@ def landmarks(human: Human, configuration: Vector) -> dict[str, Vector]:
     """Positions (3,) m of the bodies' frames, fists, soles, shoulders' middle, heels, toes and crown."""
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, configuration)
-    place = {frame.name: data.oMf[i] for i, frame in enumerate(human.model.frames) if frame.name != "universe"}
-    points = {name: pose.translation.copy() for name, pose in place.items()}
+    poses = {frame.name: data.oMf[i] for i, frame in enumerate(human.model.frames) if frame.name != "universe"}
+    points = {name: pose.translation.copy() for name, pose in poses.items()}
     points["shoulders"] = (points["right_upper_arm"] + points["left_upper_arm"]) / 2
-    points["head_centre"] = place["head"].act(np.array([0, 0, 0.065 * human.anthropometry.stature_m]))
+    points["head_centre"] = poses["head"].act(np.array([0, 0, 0.065 * human.anthropometry.stature_m]))
     heel, toe, _, height = human.anthropometry.sole_rectangle()
     for side in SIDES:
         for name, x in (("heel", heel), ("toe", toe)):
-            points[f"{side}_{name}"] = place[f"{side}_foot"].act(np.array([x, 0, height]))
+            points[f"{side}_{name}"] = poses[f"{side}_foot"].act(np.array([x, 0, height]))
     return points
 
 
@@ -74,22 +75,28 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
     for side in working:
         axes.plot(*flat(points[f"{side}_grip"]), "s", color=_TOOL, markersize=4.5)
     axes.set_aspect("equal")
-    across = [float(point @ view.across) for point in points.values()]
-    half = 0.36 * stature  # the same for all, unless somebody reaches farther
-    axes.set_xlim(min(-half, *across) - 0.03, max(half, *across) + 0.03)
-    axes.set_ylim(-0.06, 1.06 * stature)
     axes.set_axis_off()
+
+
+def fit_panels(panels: Sequence[Axes], human: Human) -> None:
+    """Give panels that show a human the same limits: those of all that is drawn, and of a body standing straight."""
+    stature = human.anthropometry.stature_m
+    standing = Bbox([[-0.36 * stature, -0.035], [0.36 * stature, 1.04 * stature]])
+    shown = Bbox.union([standing, *(panel.dataLim for panel in panels)])
+    for panel in panels:
+        panel.set_xlim(shown.x0 - 0.03, shown.x1 + 0.03)
+        panel.set_ylim(shown.y0 - 0.025, shown.y1 + 0.035)
 
 
 def draw_joint_loads(
     axes: Axes, points: Mapping[str, Vector], shares: Mapping[str, float], view: View
 ) -> PathCollection:
     """A disc at every compound joint, coloured by its load as share of strength (0 to 60 %)."""
-    places = np.array([points[joint.child] for joint in JOINTS])
+    centres = np.array([points[joint.child] for joint in JOINTS])
     colours = 100 * np.array([shares[joint.name] for joint in JOINTS])
-    order = np.argsort(places @ view.towards)
+    order = np.argsort(centres @ view.towards)
     return axes.scatter(
-        (places @ view.across)[order], places[order, 2], c=colours[order], cmap="YlOrRd", vmin=0, vmax=60, s=26,
+        (centres @ view.across)[order], centres[order, 2], c=colours[order], cmap="YlOrRd", vmin=0, vmax=60, s=26,
         edgecolors="0.2", linewidths=0.6, zorder=3,
     )  # fmt: skip
 

@@ -9,7 +9,8 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import house_style, new_figure, set_title
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 
 RUNS = 20  # shown of each cell
@@ -21,6 +22,7 @@ def raster_table(actions: pd.DataFrame, n_cycles: int) -> pd.DataFrame:
     return actions[(actions["n_cycles"] == n_cycles) & (actions["trial"] < RUNS)]
 
 
+@house_style()
 def raster_figure(table: pd.DataFrame, action_names: Sequence[str], policies: Sequence[str]) -> Figure:
     """One column of panels per condition, one row per policy; the darker, the later the action in the experiment."""
     conditions = list(dict.fromkeys(table["condition"]))
@@ -38,13 +40,13 @@ def raster_figure(table: pd.DataFrame, action_names: Sequence[str], policies: Se
             panel.imshow(image, cmap=colours, norm=norm, aspect="auto", interpolation="nearest", extent=extent)
             panel.set_yticks([])
             if row == 0:
-                panel.set_title(words(condition))
+                set_title(panel, format_label(condition))
             if column == 0:
-                panel.set_ylabel(words(policy), rotation=0, ha="right", va="center")
+                panel.set_ylabel(format_label(policy), rotation=0, ha="right", va="center")
     figure.supxlabel("cycle", fontsize=9)
     if len(action_names) <= MANY:
         patches = [
-            Patch(facecolor=shade, edgecolor="0.4", label=words(name))
+            Patch(facecolor=shade, edgecolor="0.4", label=format_label(name))
             for shade, name in zip(shades, action_names, strict=False)
         ]
         figure.legend(handles=patches, loc="outside upper center", ncols=len(patches), frameon=False, fontsize=8)

@@ -1,4 +1,4 @@
-"""What working at each place costs in the long run: a map over the places of the hand."""
+"""What working at each position of the hand costs in the long run, as a map."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.action import Action
-from fatigue_planner.output.figures.style import new_figure, words
+from fatigue_planner.output.figures.style import house_style, new_figure, set_title
 from fatigue_planner.reactions.reaction import ReactionName
 
 FEWEST_PLACES = 6
@@ -24,15 +25,16 @@ def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, C
     for name, profile in profiles.items():
         cycle = profile.cycle_map()
         goal = next(iter(actions[name.action].goals().values()))
-        place = goal.path()[0].position_m
+        position = goal.path()[0].position_m
         fatigue = np.where(cycle.offset > 0, cycle.offset / np.maximum(1 - cycle.gain, 1e-300), 0.0)
         rows.append(
             name._asdict()
-            | {"x_m": place.x, "y_m": place.y, "z_m": place.z, "long_run_cost": float(np.mean(fatigue**2))}
+            | {"x_m": position.x, "y_m": position.y, "z_m": position.z, "long_run_cost": float(np.mean(fatigue**2))}
         )
     return pd.DataFrame(rows)
 
 
+@house_style()
 def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -> Figure | None:
     """Panels of a worker's costs over the two coordinates that vary most, one per preference; None for few places."""
     own = table[table["worker"] == worker]
@@ -51,11 +53,11 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
         )
         best = at.loc[at["long_run_cost"].idxmin()]
         panel.plot(best[across], best[up], marker="*", color="white", markersize=11, markeredgecolor="0.2")
-        panel.set_title(f"{words(preference)} reaction")
+        set_title(panel, f"{format_label(preference)} reaction")
         panel.set_xlabel(f"{across[0]} of the hand, m")
         panel.set_aspect("equal")
-        panel.set_xticks(grid.columns, [f"{place:g}" for place in grid.columns], rotation=90)
-        panel.set_yticks(grid.index, [f"{place:g}" for place in grid.index])
+        panel.set_xticks(grid.columns, [f"{position:g}" for position in grid.columns], rotation=90)
+        panel.set_yticks(grid.index, [f"{position:g}" for position in grid.index])
     axes[0].set_ylabel(f"{up[0]} of the hand, m")
     figure.colorbar(image, ax=list(axes), label="cost when repeated for ever: mean of squared fatigue\n(star: least)")
     return figure

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 import pandas as pd
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 
 WIDE = 2  # standard errors that a bar reaches to either side
 
 
+@house_style()
 def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str]) -> Figure:
     """Loss per run as share of its cost, one panel per condition, for one number of cycles.
 
@@ -21,7 +23,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
     axes = figure.subplots(1, len(conditions), squeeze=False, sharey=True, sharex=True)[0]
     for panel, condition in zip(axes, conditions, strict=True):
         cell = table[table["condition"] == condition].set_index("policy")
-        for place, policy in enumerate(policies):
+        for index, policy in enumerate(policies):
             if policy not in cell.index:
                 continue
             row = cell.loc[policy]
@@ -34,7 +36,7 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
             )
             panel.errorbar(
                 loss,
-                place,
+                index,
                 xerr=WIDE * spread if spread > 0 else None,
                 fmt=marker,
                 color=colour,
@@ -42,11 +44,11 @@ def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str])
                 markersize=4.5,
             )
             panel.annotate(
-                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), place), (5, 0),
+                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), index), (5, 0),
                 textcoords="offset points", va="center", fontsize=7,
             )  # fmt: skip
-        panel.set_title(f"{words(condition)}, {n_cycles} cycles")
-        panel.set_yticks(range(len(policies)), [words(policy) for policy in policies])
+        set_title(panel, f"{format_label(condition)}, {n_cycles} cycles")
+        panel.set_yticks(range(len(policies)), [format_label(policy) for policy in policies])
         panel.set_ylim(len(policies) - 0.5, -0.5)
         panel.margins(x=0.2)
     axes[0].set_xlim(left=0)

@@ -7,13 +7,15 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fatigue_planner.output.figures.style import look, new_figure, words
+from fatigue_planner.core.text import format_label
+from fatigue_planner.output.figures.style import house_style, look, new_figure, set_title
 
 
+@house_style()
 def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
     """Panels of mean ± standard deviation: one row per condition, one column per number of cycles.
 
-    `comparison` is the table of `statistics.comparison`; policies stand in the order of their means,
+    `comparison` is the table of `statistics.comparison`; policies are in the order of their means,
     with the verdict of the test against the next one between them.
     """
     lengths = list(dict.fromkeys(comparison["n_cycles"]))
@@ -23,7 +25,7 @@ def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies
         for column, n_cycles in enumerate(lengths):
             cell = comparison[(comparison["condition"] == condition) & (comparison["n_cycles"] == n_cycles)]
             _panel(axes[row, column], cell, list(policies))
-            axes[row, column].set_title(f"{words(condition)}, $n_{{cycles}}$ = {n_cycles}")
+            set_title(axes[row, column], f"{format_label(condition)}, $n_{{cycles}}$ = {n_cycles}")
         axes[row, 0].set_ylabel("discounted accumulated reward\n(mean ± standard deviation)")
     return figure
 
@@ -33,10 +35,10 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
     high = (cell["mean"] + cell["standard_deviation"]).max()
     span = high - low or abs(high) or 1.0
     rows = cell.to_dict("records")
-    for place, row in enumerate(rows):
+    for index, row in enumerate(rows):
         marker, colour = look(policies.index(row["policy"]))
         axes.errorbar(
-            place,
+            index,
             row["mean"],
             yerr=row["standard_deviation"] or None,
             fmt=marker,
@@ -45,13 +47,13 @@ def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
             markersize=5,
         )
     tops = [row["mean"] + row["standard_deviation"] for row in rows]
-    for place, row in enumerate(rows[:-1]):
+    for index, row in enumerate(rows[:-1]):
         if not np.isnan(row["p_value"]):
-            height = max(tops[place : place + 2]) + (0.05 + 0.06 * (place % 2)) * span
+            height = max(tops[index : index + 2]) + (0.05 + 0.06 * (index % 2)) * span
             foot = height - 0.01 * span
-            axes.plot([place, place, place + 1, place + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
-            axes.text(place + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
-    axes.set_xticks(range(len(rows)), [words(row["policy"]) for row in rows], rotation=40, ha="right")
+            axes.plot([index, index, index + 1, index + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
+            axes.text(index + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
+    axes.set_xticks(range(len(rows)), [format_label(row["policy"]) for row in rows], rotation=40, ha="right")
     axes.set_xlim(-0.6, len(rows) - 0.4)
     axes.set_ylim(low - 0.08 * span, high + 0.25 * span)
     axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))

@@ -6,10 +6,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import loads
 from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
 from fatigue_planner.output.figures.postures import FEW
-from fatigue_planner.output.figures.style import COLOURS, new_figure, words
+from fatigue_planner.output.figures.style import COLOURS, house_style, new_figure, set_title
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 MAX_LOADED = 6  # entries drawn over time
@@ -29,6 +30,7 @@ def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, Fatigue
     return pd.DataFrame(rows)
 
 
+@house_style()
 def torque_figure(
     reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
 ) -> tuple[Figure, pd.DataFrame]:
@@ -54,13 +56,13 @@ def _bars(
     figure = new_figure(7.2, 0.55 + 0.062 * max(len(entries), 4) * (len(reactions) + 1))
     axes = figure.subplots()
     height = 0.85 / len(reactions)
-    for place, reaction in enumerate(reactions):
+    for index, reaction in enumerate(reactions):
         axes.barh(
-            np.arange(len(entries)) + (place - (len(reactions) - 1) / 2) * height,
-            100 * shares[place],
+            np.arange(len(entries)) + (index - (len(reactions) - 1) / 2) * height,
+            100 * shares[index],
             height,
-            color=COLOURS[place % len(COLOURS)],
-            hatch="" if place < len(COLOURS) else "///",
+            color=COLOURS[index % len(COLOURS)],
+            hatch="" if index < len(COLOURS) else "///",
             label=_label(reaction, reactions),
         )
     for threshold in thresholds:
@@ -89,6 +91,7 @@ def _colours(
     return figure
 
 
+@house_style()
 def course_figure(
     reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]
 ) -> tuple[Figure, pd.DataFrame]:
@@ -101,8 +104,8 @@ def course_figure(
     rows = []
     for panel in axes.flat[len(reactions) :]:
         panel.set_axis_off()
-    for place, (reaction, share) in enumerate(zip(reactions, shares, strict=True)):
-        panel, motion = axes.flat[place], reaction.motion
+    for index, (reaction, share) in enumerate(zip(reactions, shares, strict=True)):
+        panel, motion = axes.flat[index], reaction.motion
         every = max(round(0.1 / motion.time_step_s), 1)
         times = np.arange(0, len(share), every) * motion.time_step_s
         for colour, entry in enumerate(drawn):
@@ -117,7 +120,7 @@ def course_figure(
             ]
         work = motion.phase("work")
         panel.axvspan(work.start * motion.time_step_s, work.stop * motion.time_step_s, color="0.92", zorder=0)
-        panel.set_title(_label(reaction, reactions))
+        set_title(panel, _label(reaction, reactions))
     figure.supxlabel(
         "time in the cycle, s (grey: work; dashed: left side; the six entries with the highest mean load)", fontsize=9
     )
@@ -130,10 +133,10 @@ def course_figure(
 def _label(reaction: Reaction, among: Sequence[Reaction]) -> str:
     """The name of a reaction, with its worker only where there are several."""
     parts = reaction.name if len({other.name.worker for other in among}) > 1 else reaction.name[1:]
-    return ", ".join(words(part) for part in parts)
+    return ", ".join(format_label(part) for part in parts)
 
 
 def entry_label(entry: str) -> str:
     """An entry as it stands in a figure: its degree of freedom and direction."""
     freedom, direction = entry.split(":")
-    return f"{words(freedom)} {'+' if direction == 'positive' else '−'}"
+    return f"{format_label(freedom)} {'+' if direction == 'positive' else '−'}"

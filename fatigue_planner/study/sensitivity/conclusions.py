@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from fatigue_planner.core.text import brief_percent
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.gains import CONFIDENCE
@@ -46,13 +47,6 @@ def at_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
     return table[(table["condition"] == headline.condition) & (table["n_cycles"] == headline.n_cycles)]
 
 
-def percent(share: float) -> str:
-    """A share in per cent, with one decimal or, below 1 %, two significant digits; no zeros at the end, no -0."""
-    value = 100 * share
-    rounded = round(value, 1) if abs(value) >= 0.95 else float(f"{value:.2g}")
-    return f"{rounded + 0.0:.6g} %".replace("-", "−")
-
-
 def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) -> str:
     headline = study.headline
     here = at_headline(combined, headline)
@@ -68,8 +62,9 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
     return (
         f"{headline.planner} is significantly better than {baseline} in {better} of {len(own)} and worse in {worse} "
         f"({headline.condition}, {headline.n_cycles} cycles; {100 * CONFIDENCE:g} % intervals, each for itself); its "
-        f"gain is {percent(own['gain'].median())} of the cost in the median, {percent(own['gain'].min())} to "
-        f"{percent(own['gain'].max())} from one to another{''.join(f'; {other}' for other in others)}."
+        f"gain is {brief_percent(own['gain'].median())} of the cost in the median, "
+        f"{brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())} from one to another"
+        f"{''.join(f'; {other}' for other in others)}."
     )
 
 
@@ -84,7 +79,8 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -
     ]
     return (
         f"what alone explains more of {study.headline.planner}'s gain over the combinations than chance might: "
-        f"{', '.join(decided)} (share of the variance; permutations of all settings together, at {percent(level)})"
+        f"{', '.join(decided)} (share of the variance; permutations of all settings together, at "
+        f"{brief_percent(level)})"
         f"{_swings(here[here['baseline'] == study.baselines[0]], study.baselines[0])}."
     )
 
@@ -92,14 +88,14 @@ def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -
 def _deciding(own: pd.DataFrame, share: str, p_value: str, level: float) -> str:
     """The settings that explain more than chance, the most important first."""
     seen = own[own[p_value] < level].sort_values(share, ascending=False, kind="stable").iloc[:DECIDING]
-    return ", ".join(f"{row['factor']} {percent(row[share])}" for _, row in seen.iterrows()) or "no setting"
+    return ", ".join(f"{row['factor']} {brief_percent(row[share])}" for _, row in seen.iterrows()) or "no setting"
 
 
 def _swings(own: pd.DataFrame, baseline: str) -> str:
     """The settings that move the gain most when they alone are changed."""
     widest = own[own["swing"] > 0].sort_values("swing", ascending=False, kind="stable").iloc[:DECIDING]
     named = ", ".join(
-        f"{row['factor']} (by {percent(row['swing'])} of the cost, {row['least_at']} to {row['most_at']})"
+        f"{row['factor']} (by {brief_percent(row['swing'])} of the cost, {row['least_at']} to {row['most_at']})"
         for _, row in widest.iterrows()
     )
     return f"; one at a time, the gain over {baseline} moves most with {named}" if named else ""
@@ -111,10 +107,10 @@ def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str
     within = int((own["gain_high"] < margin).sum())
     most = own.sort_values("gain", kind="stable").iloc[-1]
     return (
-        f"over all conditions and lengths {planner} saves less than {percent(margin)} of what {baseline} costs, by the "
-        f"upper end of the interval, in {within} of {len(own)} cells; the largest gain is at "
-        f"{most['point']}, {most['condition']}, {most['n_cycles']} cycles: {percent(most['gain'])} "
-        f"({percent(most['gain_low'])} to {percent(most['gain_high'])})."
+        f"over all conditions and lengths {planner} saves less than {brief_percent(margin)} of what {baseline} costs, "
+        f"by the upper end of the interval, in {within} of {len(own)} cells; the largest gain is at "
+        f"{most['point']}, {most['condition']}, {most['n_cycles']} cycles: {brief_percent(most['gain'])} "
+        f"({brief_percent(most['gain_low'])} to {brief_percent(most['gain_high'])})."
     )
 
 
@@ -130,5 +126,5 @@ def _on_claims(claims: pd.DataFrame) -> str:
     often, never = int((held > 0.5).sum()), int((held == 0).sum())
     return (
         f"of {len(held)} claims of the paper {often} are reproduced at more than half of the {points} settings tried "
-        f"and {never} at none; the most robust, {held.index[0]}, is at {percent(held.iloc[0])}."
+        f"and {never} at none; the most robust, {held.index[0]}, is at {brief_percent(held.iloc[0])}."
     )

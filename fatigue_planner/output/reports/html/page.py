@@ -9,7 +9,8 @@ from itertools import count
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template, select_autoescape
 from markupsafe import Markup, escape
 
-from fatigue_planner.output.reports.html.blocks import Block, Code, Picture, Points, Section, Table, Text
+from fatigue_planner.output.figures.style import Picture
+from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Section, Table, Text
 
 REPORT_FILE = "report.html"
 _CODE = re.compile(r"`([^`]+)`")
@@ -54,14 +55,14 @@ def _item(words: str) -> Markup:
 
 
 def _prose(words: str) -> Markup:
-    """Text in which `names` stand out."""
-    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(words))))
+    """Text in which `names` stand out; a per cent sign stays with its number where a line breaks."""
+    return Markup(_CODE.sub(r"<code>\1</code>", str(escape(words)).replace(" %", "\u00a0%")))
 
 
 def _figure(picture: Picture, number: int) -> Markup:
     data = base64.b64encode(picture.svg.encode()).decode()
     return Markup(
-        '<figure><img src="data:image/svg+xml;base64,{}" alt="{}">\n'
+        '<figure><div class="scroll"><img src="data:image/svg+xml;base64,{}" alt="{}"></div>\n'
         '<figcaption><b>Figure {}.</b> {} <span class="words">In words: {}</span> '
         'Data: <a href="{}">{}</a>.</figcaption></figure>\n'
     ).format(

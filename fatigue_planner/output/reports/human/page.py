@@ -1,27 +1,22 @@
 """The page that compares a worker's digital human with the literature."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from fatigue_planner.core.text import fixed, signed_percent
 from fatigue_planner.fatigue.parameters import FatigueSettings
-from fatigue_planner.human.model import Human, Worker, build_human
-from fatigue_planner.output.reports.human.body import centre_of_mass_section, heights_section, masses_section
-from fatigue_planner.output.reports.human.endurance import endurance_section
-from fatigue_planner.output.reports.human.postures import postures_section
-from fatigue_planner.output.reports.human.ranges import ranges_section
-from fatigue_planner.output.reports.human.reaction_torques import reactions_section
-from fatigue_planner.output.reports.human.strengths import sets_section, strengths_section
+from fatigue_planner.human.model import Worker, build_human
+from fatigue_planner.output.reports.human import tables, torques
+from fatigue_planner.output.reports.human.references import references
+from fatigue_planner.output.reports.human.tables import SourcedTable
 from fatigue_planner.reactions.reaction import Reaction
 
 # The body for which the sums and bands of the source `plausibility` were made.
 EXPECTED_FOR = ("male", 1.75, 75.0)
-
-GUIDE_ONLY = (
-    "The torques expected and the bands below were made for a man of 1.75 m and 75 kg; for this worker they are a "
-    "guide only."
-)
-
-MARKS = """Marks of the sources: **[R]** read in the source named, or in public code or text that transcribes it;
-**[C]** computed from numbers that were read; **[M]** recalled, not checked. A deviation is model / source − 1."""
+NOTEWORTHY = 0.20  # a deviation the page mentions in words
+TOLERANCE = 0.10  # from the general curve of endurance
+NUMERIC = "0123456789+−–"  # what the cells of a column of numbers begin with
 
 
 def human_page(
@@ -29,30 +24,61 @@ def human_page(
 ) -> str:
     """The page, as Markdown, of a worker whose `reactions` were simulated with a tool; `command` writes it."""
     human = build_human(worker)
-    sections = [
-        "# The digital human against the literature",
-        f"Written by `{command}`, not by hand: change the data or the model, and run it again.",
-        MARKS,
-        _worker_section(worker, human),
-        masses_section(worker),
-        heights_section(worker, human),
-        centre_of_mass_section(worker, human),
-        ranges_section(),
-        postures_section(worker),
-        reactions_section(build_human(worker, tool_mass_kg), tool_mass_kg, reactions),
-        strengths_section(worker),
-        sets_section(),
-        endurance_section(fatigue.fatigue_rate_per_s),
-    ]
-    return "\n\n".join(sections) + "\n"
+    postures, from_hand = torques.postures(worker, human)
+    endurance = tables.endurance(fatigue.fatigue_rate_per_s)
+    loader = PackageLoader("fatigue_planner.output.reports.human", "")
+    environment = Environment(
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
+    )
+    return environment.get_template("page.md.j2").render(
+        table=markdown_table,
+        noteworthy=noteworthy,
+        outside=outside,
+        cite=cite,
+        fixed=fixed,
+        command=command,
+        worker=worker,
+        guide_only=(worker.sex, worker.height_m, worker.mass_kg) != EXPECTED_FOR,
+        degrees_of_freedom=human.model.nv - 6,
+        mass_kg=human.mass_kg,
+        masses=tables.masses(worker, human),
+        heights=tables.heights(worker, human),
+        centre_of_mass=tables.centre_of_mass(worker, human),
+        ranges=tables.ranges(),
+        postures=postures,
+        from_hand=from_hand,
+        reactions=torques.reaction_torques(build_human(worker, tool_mass_kg), tool_mass_kg, reactions),
+        strengths=tables.strengths(worker),
+        strength_sets=tables.strength_sets(),
+        endurance=endurance,
+        fatigue_rate_per_min=60 * fatigue.fatigue_rate_per_s,
+        from_general=abs(endurance.deviations["general"]),
+        tolerance=TOLERANCE,
+    )
 
 
-def _worker_section(worker: Worker, human: Human) -> str:
-    lines = [
-        "## The worker",
-        f"{worker.sex}, {worker.height_m:g} m, {worker.mass_kg:g} kg, strength set `{worker.strength}`. "
-        f"The model: {human.model.nv - 6} degrees of freedom, {human.mass_kg:.1f} kg.",
-    ]
-    if (worker.sex, worker.height_m, worker.mass_kg) != EXPECTED_FOR:
-        lines.append(GUIDE_ONLY)
-    return "\n\n".join(lines)
+def markdown_table(table: SourcedTable) -> str:
+    """A table in Markdown; columns of numbers are aligned to the right."""
+    columns = zip(*table.rows, strict=True)
+    ruler = ["---:" if all(cell[0] in NUMERIC for cell in column) else "---" for column in columns]
+    return "\n".join(f"| {' | '.join(line)} |" for line in (table.header, ruler, *table.rows))
+
+
+def noteworthy(what: str, deviations: Mapping[str, float]) -> str:
+    """A sentence that names every deviation above 20 %, or says that there is none; `what` says from what."""
+    large = [f"{name} ({signed_percent(d)})" for name, d in deviations.items() if abs(d) > NOTEWORTHY]
+    if not large:
+        return f"Nothing deviates by more than {fixed(100 * NOTEWORTHY, 0)} % from {what}."
+    return f"More than {fixed(100 * NOTEWORTHY, 0)} % from {what}: {', '.join(large)}."
+
+
+def outside(what: str, inside: Mapping[str, bool]) -> str:
+    """A sentence that names what lies outside `what`."""
+    names = [name for name, is_inside in inside.items() if not is_inside]
+    return f"Outside {what}: {', '.join(names)}." if names else f"Everything is inside {what}."
+
+
+def cite(names: Sequence[str]) -> str:
+    """The sources and their marks, as a list."""
+    sources = references().sources
+    return "\n".join(["Sources:", "", *(f"- **{name}** [{sources[name].mark}] {sources[name].text}" for name in names)])

@@ -137,11 +137,6 @@ class References(Settings):
             raise ValueError(f"sources: {', '.join(sorted(unknown))} missing")
         return self
 
-    def cite(self, *names: str) -> str:
-        """The sources and their marks, as a list in Markdown."""
-        lines = (f"- **{name}** [{self.sources[name].mark}] {self.sources[name].text}" for name in names)
-        return "\n".join(["Sources:", "", *lines])
-
 
 @cache
 def references() -> References:

@@ -11,17 +11,17 @@ import pandas as pd
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import StaleTableError
+from fatigue_planner.core.text import format_label, percent, percent_range, significant
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, percent_range, significant
+from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
 from fatigue_planner.study.statistics.contrast import Contrast
 from fatigue_planner.study.statistics.contrasts import side_by_side
 from fatigue_planner.study.statistics.pairing import records
 
-# Of what the manifest says, these are not settings of the experiment.
+# These keys of the manifest decide no number.
 IRRELEVANT = ("figures",)
 MAX_NAMED = 5  # cells that are in one folder only
 NOTHING = "No returns can be compared: no cell (condition, number of cycles and policy) is in both."
@@ -42,7 +42,7 @@ class FolderComparison:
     @property
     def pairing(self) -> str:
         """How runs are paired, in words."""
-        worlds = "in the same worlds" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
+        worlds = "with the same random numbers" if self.same_worlds else "the seeds differ, so the pairs are arbitrary"
         return f"paired by trial, {worlds}"
 
 
@@ -142,7 +142,8 @@ def _rows(found: FolderComparison) -> list[list[str]]:
             interval, test = "", "the same in every run"
         rows.append(
             [
-                words(contrast.condition), str(contrast.n_cycles), words(row["policy"]), str(contrast.trials),
+                format_label(contrast.condition), str(contrast.n_cycles), format_label(row["policy"]),
+                str(contrast.trials),
                 significant(contrast.first_mean, 6), significant(contrast.second_mean, 6),
                 percent(contrast.difference / cost), interval,
                 test,

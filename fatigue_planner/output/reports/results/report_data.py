@@ -3,28 +3,40 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import pandas as pd
 
-from fatigue_planner.experiment.build import worker_fatigue
+from fatigue_planner.core.errors import ClaimsError
+from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
+from fatigue_planner.output.reports.study.finished import FinishedStudy
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.benchmark.replay import Course
-from fatigue_planner.study.benchmark.results import Results
+from fatigue_planner.study.benchmark.results import Results, courses
+from fatigue_planner.study.benchmark.selection import cells
+from fatigue_planner.study.claims.evaluation import Evaluation, evaluate
+from fatigue_planner.study.claims.loader import Claims, load_claims
 from fatigue_planner.study.statistics.regret import regret_table
 
 
 @dataclass(frozen=True)
 class ReportData:
-    """An experiment, its reactions with what a cycle of each does, its tables and the courses of its runs."""
+    """An experiment, its reactions and the tables of its results; all else follows from these.
+
+    `folder` holds the results, `file` is the experiment's, `commands` make the results and the report again,
+    `study` is a sensitivity study of the experiment.
+    """
 
     experiment: Experiment
     reactions: Sequence[Reaction]
-    profiles: Mapping[ReactionName, CycleProfile]
     results: Results
-    courses: Mapping[tuple[str, int, str], Sequence[Course]]
+    folder: Path
+    file: Path
+    commands: Sequence[str]
+    study: FinishedStudy | None
 
     @property
     def policies(self) -> list[str]:
@@ -48,8 +60,51 @@ class ReportData:
         return worker_fatigue(self.experiment)
 
     @cached_property
+    def profiles(self) -> dict[ReactionName, CycleProfile]:
+        """What one cycle of every reaction does to fatigue."""
+        return cycle_profiles(self.experiment, self.reactions)
+
+    @cached_property
+    def courses(self) -> Mapping[tuple[str, int, str], Sequence[Course]]:
+        """Every run lived through again, by condition, number of cycles and policy."""
+        return courses(cells(self.experiment, self.profiles), self.results, self.folder)
+
+    @cached_property
     def regret(self) -> pd.DataFrame | None:
         """Regret by cell, where it was measured."""
         if self.results.regret is None:
             return None
         return regret_table(self.results.trials.merge(self.results.regret))
+
+    @property
+    def claims_file(self) -> Path:
+        """Where claims about the experiment lie: beside its file, `<its name>_claims.yaml`."""
+        return self.file.with_name(f"{self.file.stem}_claims.yaml")
+
+    @cached_property
+    def claims_about_all(self) -> Claims | None:
+        """The claims of the claims file, if there is one. Raises ClaimsError if they are about another experiment."""
+        if not self.claims_file.exists():
+            return None
+        loaded = load_claims(self.claims_file)
+        if loaded.experiment_file.resolve() != self.file.resolve():
+            raise ClaimsError(
+                f"{self.claims_file}: experiment: is {loaded.experiment_file}; should be {self.file.name}."
+            )
+        return loaded
+
+    @cached_property
+    def claims(self) -> Evaluation | None:
+        """The claims that are about no more than this grid, judged by the tables, where there are any."""
+        about = {} if self.claims_about_all is None else self.claims_about_all.about(self.experiment.benchmark)
+        if not about:
+            return None
+        results = self.results
+        return evaluate(about, results.trials, results.contrasts, self.experiment.statistics, results.bounds)
+
+    @property
+    def claims_left_out(self) -> int:
+        """How many claims are about more than this grid."""
+        if self.claims_about_all is None:
+            return 0
+        return len(self.claims_about_all.claims) - len(self.claims_about_all.about(self.experiment.benchmark))

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
+from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.policy_raster import RUNS, raster_figure, raster_table
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section, listing, percent
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 from fatigue_planner.study.statistics.pairing import groups_of
@@ -16,8 +16,9 @@ def actions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     names = list(report_data.experiment.actions)
     table = raster_table(report_data.results.actions, report_data.longest)
     caption = (
-        f"The action of every cycle in up to {RUNS} runs of {report_data.longest} cycles: a row is a run; runs in the "
-        "same place of a condition meet the same worker. A policy with one row is the same in every run."
+        f"The action of every cycle in up to {RUNS} runs of {report_data.longest} cycles. A row is a run; the same "
+        "row of a condition is the same worker with the same random numbers. A policy with one row is the same in "
+        "every run."
     )
     figure = raster_figure(table, names, report_data.policies)
     picture = figures.add("actions_taken", figure, table, caption, _shares(table, names))
@@ -32,6 +33,7 @@ def _shares(table: pd.DataFrame, names: list[str]) -> str:
         for policy, rows in groups_of(cell, "policy"):
             taken = pd.Series([action for text in rows[ACTIONS] for action in actions_of(text)])
             counts = taken.value_counts(normalize=True)
-            favourites.append(f"{words(policy)} {words(names[int(counts.index[0])])} {percent(counts.iloc[0], 0)}")
-        sentences.append(f"{words(condition)}: {listing(favourites)}")
-    return "the most frequent action and its share; " + "; ".join(sentences) + "."
+            favourite = format_label(names[int(counts.index[0])])
+            favourites.append(f"{favourite} in {percent(counts.iloc[0], 0)} for {format_label(policy)}")
+        sentences.append(f"{format_label(condition)}: {listing(favourites)}")
+    return "the most frequent action and how often it is taken; " + "; ".join(sentences) + "."

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Section, listing, percent
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
 
 
@@ -19,9 +19,9 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
     }
     table = fatigue_table(fatigue)
     caption = (
-        f"Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints, mean over the "
-        f"runs of {longest} cycles and the last {SMOOTHED_CYCLES} cycles, for the groups that end up most tired. The "
-        "data are of all groups and single cycles."
+        "Fatigue (0: rested, 1: exhausted) of the most tired degree of freedom of a group of joints: the mean over "
+        f"the runs of {longest} cycles and a moving mean over {SMOOTHED_CYCLES} cycles, for the groups that end up "
+        "most tired. The data file has all groups and every single cycle."
     )
     last = table[table["cycle"] == longest]
     sentences = []
@@ -29,12 +29,12 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
         mean = last[last["joint_group"] == group].groupby("policy", sort=False)["highest_fatigue"].mean()
         low, high = percent(mean.min(), 0), percent(mean.max(), 0)
         sentences.append(
-            f"{words(group)} ends at {high} whatever the policy"
+            f"{format_label(group)} ends at {high} whatever the policy"
             if low == high
-            else f"{words(group)} ends between {low} ({words(str(mean.idxmin()))}) and {high} "
-            f"({words(str(mean.idxmax()))})"
+            else f"{format_label(group)} ends between {low} ({format_label(str(mean.idxmin()))}) and {high} "
+            f"({format_label(str(mean.idxmax()))})"
         )
-    alternative = f"After {longest} cycles, mean over the conditions, " + listing(sentences) + "."
+    alternative = f"after {longest} cycles, averaged over the conditions, " + listing(sentences) + "."
     return Section(
         "Fatigue over the cycles",
         [figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative)],

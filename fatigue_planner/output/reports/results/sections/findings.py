@@ -4,10 +4,10 @@ from collections import Counter
 
 import pandas as pd
 
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import counted, listing, percent, percent_range
+from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.output.reports.results.sections.losses import most_to_win
+from fatigue_planner.output.reports.results.sections.claims import claims_sentence
+from fatigue_planner.output.reports.results.sections.losses import headroom
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
@@ -22,7 +22,14 @@ def findings(report_data: ReportData) -> list[str]:
         *_against_the_anchor(report_data),
     ]
     if report_data.results.bounds is not None and len(report_data.results.bounds):
-        items.append(_most_to_win(report_data, report_data.results.bounds))
+        items.append(_headroom_sentence(report_data, report_data.results.bounds))
+    if report_data.claims is not None:
+        items.append(claims_sentence(report_data.claims))
+    if left_out := report_data.claims_left_out:
+        file = report_data.claims_file.name
+        items.append(f"{counted(left_out, 'claim')} of `{file}` not judged: about more than this grid.")
+    if (study := report_data.study) is not None:
+        items.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
     return items
 
 
@@ -32,10 +39,10 @@ def _leaders(report_data: ReportData) -> str:
     cells = [cell for _, _, cell in cells_of(report_data.results.comparison)]
     for cell in cells:
         best.update(cell.loc[cell["mean"] == cell["mean"].max(), "policy"])
+    (first, most), *others = best.most_common()
     return (
-        "The best mean has "
-        + listing([f"`{policy}` in {count}" for policy, count in best.most_common()])
-        + f" of {counted(len(cells), 'cell')} (condition and number of cycles)."
+        f"`{first}` has the best mean in {most} of {counted(len(cells), 'cell')} (a condition and a number of cycles)"
+        f"{''.join(f', `{policy}` in {count}' for policy, count in others)}."
     )
 
 
@@ -49,8 +56,8 @@ def _against_the_anchor(report_data: ReportData) -> list[str]:
             continue
         found = contrast_of(report_data.results.contrasts, *pair)
         sentences.append(
-            f"{words(condition)}, {n_cycles} cycles: the best besides `{report_data.anchor}` is `{others[0]}`; "
-            f"its cost is {_difference(found, level)}."
+            f"{format_label(condition).capitalize()}, {n_cycles} cycles: the best policy other than "
+            f"`{report_data.anchor}` is `{others[0]}`; its cost is {_difference(found, level)}."
         )
     return sentences
 
@@ -67,7 +74,7 @@ def _difference(found: Contrast, level: float) -> str:
         return f"{share} ({found.note})"
     sign = 1 if found.difference > 0 else -1
     low, high = sorted(sign * end / cost for end in (found.t_low, found.t_high))
-    return f"{share}, interval {percent_range(low, high)} ({_words(found, level)})"
+    return f"{share}, with an interval of {percent_range(low, high)} ({_words(found, level)})"
 
 
 def _words(found: Contrast, level: float) -> str:
@@ -79,11 +86,11 @@ def _words(found: Contrast, level: float) -> str:
     }[found.verdict(level)]
 
 
-def _most_to_win(report_data: ReportData, gaps: pd.DataFrame) -> str:
+def _headroom_sentence(report_data: ReportData, gaps: pd.DataFrame) -> str:
     last = gaps[(gaps["n_cycles"] == report_data.longest) & (gaps["policy"] == report_data.anchor)]
-    shares = [f"{most_to_win(row)} ({words(row['condition'])})" for row in records(last)]
+    shares = [f"{headroom(row)} ({format_label(row['condition'])})" for row in records(last)]
     return (
-        f"Over {report_data.longest} cycles no policy whatsoever can be expected to cost less than "
-        f"`{report_data.anchor}` by more than {listing(shares)}: "
-        f"the bound is proved; ± is the standard error of that policy's own mean."
+        f"Over {report_data.longest} cycles the expected cost of any policy whatsoever is at most {listing(shares)} "
+        f"below that of `{report_data.anchor}`. This bound is proved; ± is the standard error of the mean of "
+        f"`{report_data.anchor}`."
     )

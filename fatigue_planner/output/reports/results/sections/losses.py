@@ -1,18 +1,18 @@
-"""What the decisions lose against the exact reference, and what no policy can do better."""
+"""What the decisions lose against the exact reference, and the cost that no policy can beat."""
 
 from collections.abc import Mapping
 from typing import Any
 
+from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.output.figures.regret import regret_figure
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, listing, percent, significant
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.study.statistics.pairing import cells_of, groups_of, records
 
-HOW = "Not measured: `fatplan benchmark --regret --bound` adds it."
+HOW = "This was not measured; `fatplan benchmark --regret --bound` adds it."
 
 
 def losses_section(report_data: ReportData, figures: FigureFolder) -> Section:
@@ -32,21 +32,21 @@ def _regret(report_data: ReportData, figures: FigureFolder) -> list[Block]:
     assert table is not None
     judges = report_data.results.note.references
     named = [condition for condition in report_data.experiment.benchmark.conditions if condition in judges]
-    references = [f"{words(condition)}: {describe(judges[condition])}" for condition in named]
+    references = [f"{format_label(condition)}: {describe(judges[condition])}" for condition in named]
     intro = (
         "Every decision of every run is judged by a reference that looks ahead exactly: "
         + "; ".join(references)
         + ". Regret is the reference's value of the best action minus that of the action taken, summed over a run with "
-        "the task's discount. The reference, like the policies, plans for a task without end."
+        "the task's discount. Like the policies, the reference plans for a task that never ends."
     )
     last = table[table["n_cycles"] == report_data.longest]
     sentences = [
-        f"{words(condition)}: "
-        + listing([f"{words(row['policy'])} {percent(row['run_loss_share'])}" for row in records(cell)])
+        f"{format_label(condition)}: "
+        + listing([f"{percent(row['run_loss_share'])} for {format_label(row['policy'])}" for row in records(cell)])
         for condition, cell in groups_of(last, "condition")
     ]
     figure = regret_figure(table, report_data.longest, report_data.policies)
-    caption = "What the decisions of a run lose against the reference, as share of the run's cost."
+    caption = "What the decisions of a run lose against the reference, as a fraction of the run's cost."
     return [Text(intro), figures.add("regret_by_policy", figure, table, caption, "; ".join(sentences) + ".")]
 
 
@@ -60,25 +60,25 @@ def _bounds(report_data: ReportData) -> list[Block]:
         anchor = next(row for row in rows_of if row["policy"] == report_data.anchor)
         rows.append(
             [
-                words(condition), str(n_cycles), significant(best["cost_bound"], 6),
-                "the optimum" if best["exact"] else "a lower bound", words(best["policy"]), percent(best["gap"]),
-                most_to_win(anchor),
+                format_label(condition), str(n_cycles), significant(best["cost_bound"], 6),
+                "the optimum" if best["exact"] else "a lower bound", format_label(best["policy"]), percent(best["gap"]),
+                headroom(anchor),
             ]
         )  # fmt: skip
     caption = (
         "The least expected cost that any policy can have, proved by a relaxation without a solver, and how far the "
-        "policies are from it. The last column is the most that any policy could win: a claim of a larger win over "
-        f"`{report_data.anchor}` cannot be true here. ± is the standard error of that policy's own mean."
+        f"policies are from it. The last column is the headroom: no policy can save more of the cost of "
+        f"`{report_data.anchor}`, so a claim of a larger gain cannot be true here. ± is the standard error of its mean."
     )
     header = [
-        "condition", "cycles", "least expected cost", "which is", "best policy", "its mean above it",
-        f"most to win over {words(report_data.anchor)}",
+        "condition", "cycles", "least expected cost", "which is", "best policy", "its mean above the least",
+        f"headroom above {format_label(report_data.anchor)}",
     ]  # fmt: skip
     return [Table(caption, header, rows, BOUNDS_FILE)]
 
 
-def most_to_win(row: Mapping[str, Any]) -> str:
-    """What could at most be won over the policy of a row of `gap_table`, as a share of its cost, ± standard error."""
-    share, error = row["gap"] / (1 + row["gap"]), row["standard_error"] / (1 + row["gap"]) ** 2
+def headroom(row: Mapping[str, Any]) -> str:
+    """The most that any policy can save of the cost of the policy of a row of `gap_table`, ± its standard error."""
+    fraction, error = row["gap"] / (1 + row["gap"]), row["standard_error"] / (1 + row["gap"]) ** 2
     spread = f" ± {percent(error)}" if error > 0 else ""
-    return f"{percent(share)}{spread}"
+    return f"{percent(fraction)}{spread}"

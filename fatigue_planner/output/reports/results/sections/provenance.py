@@ -1,18 +1,18 @@
-"""What made the results, so that anybody can make them again."""
+"""How the results were made, so that anybody can make them again."""
 
 import hashlib
 import json
-from pathlib import Path
 
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Code, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 
 
-def provenance_section(report_data: ReportData, commands: list[str], file: Path) -> Section:
-    """Commands, versions, seed, hashes and the whole configuration; `file` is the experiment's."""
-    made, here = report_data.results.note.versions, versions()
+def provenance_section(report_data: ReportData, figures: FigureFolder) -> Section:
+    """Commands, versions, seed, hashes and the whole configuration."""
+    file, made, here = report_data.file, report_data.results.note.versions, versions()
     versions_used = [[name, made.get(name, "n/a"), version] for name, version in here.items()]
     hashes = [[name, digest] for name, digest in sorted(report_data.results.note.sha256.items())]
     hashes.append([file.name, hashlib.sha256(file.read_bytes()).hexdigest()])
@@ -22,16 +22,16 @@ def provenance_section(report_data: ReportData, commands: list[str], file: Path)
     return Section(
         "Provenance",
         [
-            Text("These commands make this page and every number in it again:"),
-            Code("\n".join(commands)),
+            Text("These commands make this page and every number on it again:"),
+            Code("\n".join(report_data.commands)),
             Text(
-                f"Seed {seed}: the world of a run is drawn from seed, condition, number of cycles and trial, the "
-                "planner's chance from these and the policy's name, so that the tables are the same bytes whatever "
-                "the number of workers."
+                f"The seed is {seed}. The random numbers of a run follow from the seed, the condition, the number of "
+                "cycles and the trial; those of the planner also from the policy's name. So the tables have the same "
+                "bytes whatever the number of processes."
             ),
-            Table("Versions, of the tables and of this page.", ["what", "tables", "page"], versions_used),
-            Table("SHA-256 of the files and the digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
-            Text("The configuration, complete:"),
+            Table("The versions that made the tables and this page.", ["what", "tables", "page"], versions_used),
+            Table("SHA-256 of the files, and digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
+            Text("The complete configuration:"),
             Code(configuration),
         ],
     )

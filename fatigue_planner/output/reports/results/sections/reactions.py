@@ -1,22 +1,29 @@
 """The postural reactions: postures, torques, and what one cycle does to fatigue."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from fatigue_planner.fatigue.parameters import ENTRIES
-from fatigue_planner.output.figures.postures import FEW
-from fatigue_planner.output.figures.torques import entry_label, torque_table
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, percent, significant
-from fatigue_planner.output.reports.results.drawings import draw_reactions
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.core.text import format_label, listing, percent, significant
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
+from fatigue_planner.human.model import build_human
+from fatigue_planner.human.skeleton import JOINTS
+from fatigue_planner.output.figures.pose_map import place_figure, place_table
+from fatigue_planner.output.figures.postures import FEW, posture_figure
+from fatigue_planner.output.figures.style import FigureFolder, Picture
+from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure, torque_table
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.reactions.reaction import ReactionName
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.statistics.pairing import records
 
 LARGEST = 5  # entries of each reaction in the tables
+# The joint at the near end of each body, where its load is drawn.
+JOINT_OF = {joint.child: joint.name for joint in JOINTS}
 
 
 def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section:
@@ -35,17 +42,90 @@ def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section
     return Section("The postural reactions", blocks)
 
 
+def draw_reactions(
+    figures: FigureFolder,
+    experiment: Experiment,
+    reactions: Sequence[Reaction],
+    parameters: Mapping[str, FatigueParameters],
+    profiles: Mapping[ReactionName, CycleProfile],
+) -> list[Picture]:
+    """Postures, loads and, for grids of poses, maps."""
+    places = place_table(experiment.actions, profiles)
+    pictures = []
+    for worker, person in experiment.workers.items():
+        several = len(experiment.workers) > 1
+        suffix, whose = (f"_{worker}", f" of {format_label(worker)}") if several else ("", "")
+        own = [reaction for reaction in reactions if reaction.name.worker == worker]
+        figure, table = posture_figure(build_human(person), own, parameters[worker])
+        caption = f"The reactions{whose} in the middle of the work. The discs show the largest load at each joint."
+        pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
+        if len(own) <= FEW:
+            figure, table = course_figure(own, parameters)
+            caption = f"The loads{whose} over the cycle, of the entries with the highest mean load."
+            pictures.append(figures.add(f"courses{suffix}", figure, table, caption, _peaks(table)))
+        map_figure = place_figure(places, worker, list(experiment.preferences))
+        if map_figure is not None:
+            table = places[places["worker"] == worker]
+            caption = f"The long-run cost{whose} of working at each position of the hand."
+            pictures.append(figures.add(f"places{suffix}", map_figure, table, caption, _cheapest_and_dearest(table)))
+    figure, table = torque_figure(reactions, parameters)
+    caption = "Mean loads during work that exceed the threshold of fatigue, in per cent of the worker's strength."
+    return [*pictures, figures.add("torques", figure, table, caption, _heaviest_entries(table))]
+
+
+def _heaviest_joints(table: pd.DataFrame) -> str:
+    joints = table.dropna(subset="share_of_maximum")
+    rows = joints.loc[joints.groupby(["action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return _loads(rows.assign(place=[format_label(JOINT_OF[landmark]) for landmark in rows["landmark"]]))
+
+
+def _heaviest_entries(table: pd.DataFrame) -> str:
+    rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return _loads(rows.assign(place=rows["entry"].map(entry_label)))
+
+
+def _peaks(table: pd.DataFrame) -> str:
+    rows = table.loc[table.groupby(["worker", "action", "preference"], sort=False)["share_of_maximum"].idxmax()]
+    return "the peaks are: " + _loads(rows.assign(place=rows["entry"].map(entry_label)))
+
+
+def _loads(rows: pd.DataFrame) -> str:
+    shown, several = rows.head(FEW), rows["worker"].nunique() > 1
+    listed = [
+        f"{_name(row, several)} {percent(row['share_of_maximum'], 0)} of the strength at {row['place']}"
+        for row in records(shown)
+    ]
+    more = len(rows) - len(shown)
+    return listing([*listed, *([f"{more} more"] if more > 0 else [])]) + "."
+
+
+def _name(row: Mapping[str, Any], with_worker: bool) -> str:
+    """A reaction, with its worker where there are several."""
+    parts = [row["worker"]] if with_worker else []
+    return "/".join([*parts, row["action"], row["preference"]])
+
+
+def _cheapest_and_dearest(table: pd.DataFrame) -> str:
+    """The places of a pose map with the least and the most cost of repeating, over all preferences."""
+    ordered = records(table.sort_values("long_run_cost", kind="stable"))
+    ends = [
+        f"{word} {row['action']} with {format_label(row['preference'])} ({significant(row['long_run_cost'])})"
+        for word, row in (("cheapest is", ordered[0]), ("dearest is", ordered[-1]))
+    ]
+    return listing(ends) + "."
+
+
 def cycle_map_table(report_data: ReportData) -> pd.DataFrame:
     """The affine map of one cycle, f' = gain f + offset, for every entry that a reaction tires."""
     rows = []
     for name, profile in report_data.profiles.items():
-        one = profile.cycle_map()
-        for place in np.flatnonzero(one.offset > 0):
-            gain, offset = float(one.gain[place]), float(one.offset[place])
+        cycle_map = profile.cycle_map()
+        for index in np.flatnonzero(cycle_map.offset > 0):
+            gain, offset = float(cycle_map.gain[index]), float(cycle_map.offset[index])
             rows.append(
                 name._asdict()
                 | {
-                    "entry": ENTRIES[place], "gain": gain, "offset": offset,
+                    "entry": ENTRIES[index], "gain": gain, "offset": offset,
                     "fatigue_if_repeated": offset / (1 - gain) if gain < 1 else 1.0,
                 }
             )  # fmt: skip
@@ -65,7 +145,7 @@ def _torques(report_data: ReportData) -> Table:
         for row in records(group.nlargest(LARGEST, "share_of_maximum"))
     ]
     caption = f"The {LARGEST} largest mean loads of each reaction during work."
-    return Table(caption, ["reaction", "entry", "torque, N·m", "share of strength"], rows, "torques.csv")
+    return Table(caption, ["reaction", "entry", "torque, N·m", "of the strength"], rows, "torques.csv")
 
 
 def _maps(report_data: ReportData, maps: pd.DataFrame, file: str) -> Table:
@@ -77,7 +157,7 @@ def _maps(report_data: ReportData, maps: pd.DataFrame, file: str) -> Table:
     ]
     caption = (
         "What one cycle does to fatigue: f′ = gain · f + offset, exactly (Eq. 2 over the whole cycle); the largest "
-        "offsets, and where f settles if the reaction is repeated for ever."
+        "offsets, and the value at which f settles if the reaction is repeated for ever."
     )
     header = ["reaction", "entry", "gain", "offset", "fatigue if repeated"]
     return Table(caption, header, rows, file)

@@ -2,13 +2,15 @@
 
 import pandas as pd
 
+from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range, significant
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
-from fatigue_planner.output.figures.style import words
-from fatigue_planner.output.reports.html.blocks import Block, Section, Text, counted, listing, percent, percent_range
-from fatigue_planner.output.reports.results.drawings import draw_returns
-from fatigue_planner.output.reports.results.figure_folder import FigureFolder
+from fatigue_planner.output.figures.returns import returns_figure
+from fatigue_planner.output.figures.style import FigureFolder, Picture
+from fatigue_planner.output.reports.html.blocks import Block, Section, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.results import CONTRASTS_FILE
+from fatigue_planner.study.statistics.comparison import STARS
 from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
@@ -21,9 +23,9 @@ def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
     if len(table):
         level = percent(1 - settings.significance_level, 0)
         caption = (
-            f"The same runs as estimates: mean cost above that of `{report_data.anchor}` in the same worlds, as share "
-            f"of its cost, with {level} intervals (paired t). In the grey band policies count as equal "
-            f"(±{percent(settings.equivalence_margin, 1)} of the cost, fixed before)."
+            f"The same runs as estimates: the mean cost above that of `{report_data.anchor}` with the same random "
+            f"numbers, as a fraction of its cost, with {level} intervals (paired t). Policies in the grey band count "
+            f"as equivalent (±{percent(settings.equivalence_margin, 1)} of the cost, fixed beforehand)."
         )
         figure = estimate_figure(table, settings.equivalence_margin, report_data.policies)
         blocks.append(figures.add("estimates", figure, table, caption, _extremes(table)))
@@ -31,17 +33,44 @@ def returns_section(report_data: ReportData, figures: FigureFolder) -> Section:
     return Section("Returns", blocks)
 
 
+def draw_returns(figures: FigureFolder, experiment: Experiment, comparison: pd.DataFrame) -> list[Picture]:
+    """The paper's Figure 5: one picture for each that the experiment names."""
+    pictures = []
+    for name, conditions in experiment.figures.items():
+        shown = comparison[comparison["condition"].isin(conditions)]
+        figure = returns_figure(comparison, conditions, list(experiment.benchmark.policies))
+        caption = (
+            f"`{name}`: discounted accumulated reward, mean ± standard deviation over the runs, the best policy first. "
+            "The marks between neighbours are the paper's test: Student's, unpaired, not corrected "
+            f"({', '.join(f'{mark} p < {limit:g}' for limit, mark in reversed(STARS))}, ns: p ≥ "
+            f"{experiment.statistics.significance_level:g}; no mark where a policy has only one run)."
+        )
+        pictures.append(figures.add(name, figure, shown, caption, _best_and_worst(shown)))
+    return pictures
+
+
+def _best_and_worst(comparison: pd.DataFrame) -> str:
+    sentences = []
+    for condition, n_cycles, cell in cells_of(comparison):
+        best, worst = records(cell.iloc[[0, -1]])
+        sentences.append(
+            f"{format_label(condition)}, {n_cycles} cycles: from {format_label(best['policy'])} "
+            f"({significant(best['mean'])}) to {format_label(worst['policy'])} ({significant(worst['mean'])})"
+        )
+    return "; ".join(sentences) + "."
+
+
 def _extremes(table: pd.DataFrame) -> str:
     sentences = []
     for condition, n_cycles, cell in cells_of(table):
         ends = records(cell.sort_values("extra_cost_share", kind="stable").iloc[[0, -1]])
         named = [
-            f"{words(end['policy'])} {percent(end['extra_cost_share'])}"
+            f"{format_label(end['policy'])} at {percent(end['extra_cost_share'])}"
             + (f" ({percent_range(low, high)})" if low < high else "")
             for end in ends
             for low, high in [(end["low_share"], end["high_share"])]
         ]
-        sentences.append(f"{words(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
+        sentences.append(f"{format_label(condition)}, {n_cycles} cycles: from {named[0]} to {named[1]}")
     return "; ".join(sentences) + "."
 
 
@@ -62,6 +91,6 @@ def _counts(report_data: ReportData, file: str) -> str:
         f"({listing(families)}), {len(tested)} can be tested. Paired and corrected for the family (Holm), "
         f"{different} differ, {counts[Verdict.EQUIVALENT]} are equivalent and "
         f"{counts[Verdict.UNDETERMINED]} are undetermined; the paper's test, which neither pairs nor corrects, "
-        f"finds {papers} of {len(both)} different. All numbers of every comparison (intervals by t and bootstrap, "
-        f"permutation test, effect sizes, smallest detectable difference) are in `{file}`."
+        f"finds a difference in {papers} of {len(both)}. All numbers of every comparison (intervals by t and "
+        f"bootstrap, permutation test, effect sizes, smallest detectable difference) are in `{file}`."
     )

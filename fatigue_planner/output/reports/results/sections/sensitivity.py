@@ -1,16 +1,17 @@
 """The sensitivity study of the experiment, where there is one."""
 
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section, Text
 from fatigue_planner.output.reports.html.page import REPORT_FILE
-from fatigue_planner.output.reports.study.finished import FinishedStudy
-from fatigue_planner.output.reports.study.sections import claims_over_points, deciding, lessons, over_all_cells
+from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.study.page import claims_over_points, deciding, lessons, over_all_cells
 
 MAX_SETTINGS = 8
 
 
-def sensitivity_section(study: FinishedStudy | None) -> Section:
+def sensitivity_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """What one learns from the study and which settings decide; or the command that makes one."""
-    title = "When does planning pay? Sensitivity"
+    study, title = report_data.study, "When does planning pay? Sensitivity"
     if study is None:
         how = "No sensitivity study of this experiment is among the results; `fatplan sensitivity` makes one."
         return Section(title, [Text(how)])
@@ -19,4 +20,6 @@ def sensitivity_section(study: FinishedStudy | None) -> Section:
     claims = claims_over_points(study, where)
     if claims is not None:
         blocks += claims.blocks
-    return Section(title, [*blocks, Text(f"What was tried, and why these levels: `{where}{REPORT_FILE}`.")])
+    return Section(
+        title, [*blocks, Text(f"All settings, their levels and the reasons for them are in `{where}{REPORT_FILE}`.")]
+    )

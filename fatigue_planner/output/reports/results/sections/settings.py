@@ -3,9 +3,10 @@
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
+from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section, Table, Text
+from fatigue_planner.output.reports.results.report_data import ReportData
 
 _LINE = re.compile(r"^(?P<indent> *)(?:- )?(?P<key>[A-Za-z_][\w.-]*):(?P<value>[^#]*?)(?:\s+#\s*(?P<comment>.*))?$")
 _FIXED = re.compile(r"^\[paper (?P<place>[^\]]+)\]\s*(?P<rest>.*)$")
@@ -38,19 +39,20 @@ def origins(text: str) -> Iterator[Origin]:
             yield Origin(key, value, None, chosen["rest"])
 
 
-def settings_section(file: Path) -> Section | None:
+def settings_section(report_data: ReportData, figures: FigureFolder) -> Section | None:
     """A table of the marked settings; none for a file without marks."""
+    file = report_data.file
     found = list(origins(file.read_text(encoding="utf-8")))
     if not found:
         return None
-    rows = [[one.key, one.value, f"paper, {one.place}" if one.place else "open", one.comment] for one in found]
-    fixed = sum(one.place is not None for one in found)
+    rows = [[each.key, each.value, f"paper, {each.place}" if each.place else "open", each.comment] for each in found]
+    fixed = sum(each.place is not None for each in found)
     return Section(
         "What the paper fixes, and what was chosen",
         [
             Text(
-                f"`{file.name}` marks {len(found)} settings or groups of them: {fixed} are the paper's, "
-                f"{len(found) - fixed} it leaves open, so that they were chosen."
+                f"`{file.name}` marks {len(found)} settings or groups of settings: {fixed} are the paper's; the "
+                f"paper leaves {len(found) - fixed} open, so they were chosen."
             ),
             Table("Marked settings, as the file gives them.", ["setting", "value", "from", "comment"], rows),
         ],
