@@ -168,7 +168,7 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     trials = folder / "paper" / "trials.csv"
     text = trials.read_text()
     trials.write_text("\n".join([*text.splitlines()[:-1], text.splitlines()[1]]) + "\n")
-    assert "stands twice: single_novice/5/random/0" in refused(4, *command)
+    assert "has duplicate rows: single_novice/5/random/0" in refused(4, *command)
 
 
 @pytest.mark.slow

@@ -416,8 +416,8 @@ BENCHMARK = (
     _f(
         "the world depends on the policy",
         "study/benchmark/cell.py",
-        "world = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)\n",
-        "world = draw_random_numbers(self.seed, self.condition + self.policy, self.n_cycles, trial)\n",
+        "random_numbers = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)\n",
+        "random_numbers = draw_random_numbers(self.seed, self.condition + self.policy, self.n_cycles, trial)\n",
         "study/test_benchmark.py::test_a_run_is_lived_through_again_from_its_actions",
     ),
     _f(
@@ -573,10 +573,10 @@ STATISTICS = (
         "study/test_statistics.py::test_student_t_by_hand",
     ),
     _f(
-        "an interval's ends stay when policies change places",
+        "an interval's ends stay when policies are exchanged",
         "study/statistics/contrast.py",
-        "{one: -getattr(self, other) for pair in _MIRRORED",
-        "{one: -getattr(self, one) for pair in _MIRRORED",
+        "{name: -getattr(self, other) for pair in _MIRRORED",
+        "{name: -getattr(self, name) for pair in _MIRRORED",
         "study/test_contrasts.py::test_swapped_policies_swap_every_sign",
     ),
     _f(
@@ -611,7 +611,7 @@ CLAIMS = (
         "study/test_claims.py::test_one_failing_comparison_decides_and_else_one_open",
     ),
     _f(
-        "the room to win is a share of the bound",
+        "the headroom is a fraction of the bound",
         "study/claims/headroom.py",
         "(cost - bound) / cost",
         "(cost - bound) / bound",
@@ -635,10 +635,10 @@ RESULTS = (
         "study/test_results.py::test_rows_of_another_configuration_are_named",
     ),
     _f(
-        "rows may stand twice",
+        "rows may be duplicates",
         "study/benchmark/tables.py",
-        "if twice.any():",
-        "if twice.all():",
+        "if duplicate.any():",
+        "if duplicate.all():",
         "study/test_benchmark.py::test_table_is_tidy_and_checked_on_reading",
     ),
     _f(

@@ -12,7 +12,7 @@ Text = Annotated[str, Field(min_length=1)]
 class Claim(Settings):
     """One statement of a paper and how it is read.
 
-    place and quote: where it stands and its words; interpretation: the reading that was needed, if any
+    place and quote: its section in the paper and its words; interpretation: how it is read, where that needs saying
     relation: what is said of `policies` and, where it takes two groups, `others` (`relations.RELATIONS`)
     conditions, n_cycles: it is said of every one of these conditions with every one of these lengths
     """
