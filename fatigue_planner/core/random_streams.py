@@ -1,8 +1,8 @@
 """Random streams, each keyed by what it is for.
 
-The world's draws depend on seed, condition, length and trial, never on the policy: all policies of a
-trial meet the same worker, so their returns can be compared pairwise. The planner draws from a stream of its own, so
-it cannot see the world's future.
+Common random numbers: what is drawn for a trial depends on seed, condition, length and trial, never on the policy.
+All policies of a trial meet the same worker, so their returns can be compared pairwise. The planner
+draws from a stream of its own, so it cannot see the world's future.
 """
 
 import hashlib
@@ -33,7 +33,7 @@ class RandomNumbers:
 
 
 def draw_random_numbers(seed: int, condition: str, n_cycles: int, trial: int) -> RandomNumbers:
-    """The world of a trial, the same for every policy."""
+    """The common random numbers of a trial, the same for every policy."""
     key = (condition, n_cycles, trial)
     return RandomNumbers(
         random_stream(seed, "worker", *key).random(3),

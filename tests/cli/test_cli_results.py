@@ -11,6 +11,7 @@ import pytest
 import yaml
 from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
+from snippets import block
 from test_cli_json import document
 
 FIGURES = ["report", "--figures-only"]
@@ -99,6 +100,21 @@ def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cach
     assert "is not one of our tables" in refused(4, *FIGURES, experiment, *folders)
 
 
+def test_the_documented_script_computes_a_contrast(
+    results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "experiments").mkdir()
+    (tmp_path / "experiments" / "paper.yaml").symlink_to(results.parent / "paper.yaml")
+    (tmp_path / "results").symlink_to(results.parent)
+    monkeypatch.chdir(tmp_path)
+    exec(block("statistics.md", "## A statistic of your own", "python"), {})
+    table = pd.read_csv(results / "contrasts.csv").set_index(["condition", "n_cycles", "first", "second"])
+    row = table.loc["single_novice", 100, "greedy", "pomcp_0.1"]
+    relative, holm_p, verdict = capsys.readouterr().out.split()
+    assert float(relative) == -row["relative_difference"] and float(holm_p) == row["holm_p"]
+    assert verdict in {"better", "worse", "equivalent", "undetermined"}
+
+
 def test_claims_are_judged_from_the_published_tables(results: Path) -> None:
     claims = results.parent / "paper_claims.yaml"
     shutil.copy(PAPER.parent / "paper_claims.yaml", claims)
@@ -153,7 +169,7 @@ def test_the_report_is_written_from_the_published_tables(results: Path, cache_fo
     trials = folder / "paper" / "trials.csv"
     text = trials.read_text()
     trials.write_text("\n".join([*text.splitlines()[:-1], text.splitlines()[1]]) + "\n")
-    assert "stands twice: single_novice/5/random/0" in refused(4, *command)
+    assert "has duplicate rows: single_novice/5/random/0" in refused(4, *command)
 
 
 @pytest.fixture(scope="module")

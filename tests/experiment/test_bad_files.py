@@ -427,7 +427,7 @@ BAD_CLAIMS = [
     ("n_cycles: [5]", "n_cycles: [.nan]", "claims.one.n_cycles.0 = nan: input should be a valid integer."),
     ("n_cycles: [5]", "n_cycles: 5", "claims.one.n_cycles = 5: should be a list."),
     ("n_cycles: [5]", f"n_cycles: [{', '.join(map(str, range(8000)))}]", "claims.one.n_cycles: 0, 1, 2, 3, 4, 6, "),
-    ("policies: [greedy]", "policies: [greedy, greedy]", "claims.one.policies: something stands twice."),
+    ("policies: [greedy]", "policies: [greedy, greedy]", "claims.one.policies: greedy is given twice."),
     ("others: [random]", "others: [greedy]", "claims.one.others: greedy already among the policies."),
     ("others: [random]", "others: [random], weight: 2", "claims.one.weight: unknown key; allowed are place, quote,"),
 ]

@@ -339,7 +339,7 @@ def test_table_is_tidy_and_checked_on_reading(cells: list[Cell], tmp_path: Path)
     path = tmp_path / TRIALS_FILE
     lines = path.read_text().splitlines()
     for bad, message in (
-        (lines[:3] + lines[2:3], "stands twice: single_novice/2/random/1. Run"),
+        (lines[:3] + lines[2:3], "has duplicate rows: single_novice/2/random/1. Run"),
         ([*lines[:3], lines[2][:-3] + "999"], r"random/1, with different values: \(.*\) and \(.*999\)\. Run"),
         ([lines[0].replace("trial", "run"), *lines[1:]], "columns"),
         ([*lines[:2], lines[2][:-25] + ","], "gaps"),

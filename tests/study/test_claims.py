@@ -1,4 +1,4 @@
-"""Claims: known answers of every relation by both analyses, the room to win, and files that are refused."""
+"""Claims: known answers of every relation by both analyses, the headroom, and files that are refused."""
 
 import math
 from collections.abc import Mapping
@@ -24,19 +24,19 @@ SETTINGS = StatisticsSettings(significance_level=0.05, equivalence_margin=0.01, 
 RUNS = 40
 H, F, O = Answer.HOLDS, Answer.FAILS, Answer.OPEN  # noqa: E741
 
-# What the runs of a share with those of b, and what only a has: mean 0 exactly, standard deviation about 1.
+# What the runs of a have in common with those of b, and what only a has: mean 0, standard deviation about 1.
 SHARED = np.linspace(-1.7, 1.7, RUNS)
 OWN = np.tile([1.0, -1.0], RUNS // 2)
 
 
-def runs(cell: Mapping[str, object], place: tuple[str, int] = ("novice", 5)) -> pd.DataFrame:
+def runs(policies: Mapping[str, object], cell: tuple[str, int] = ("novice", 5)) -> pd.DataFrame:
     """A table of trials; a number stands for a policy whose every run is the same."""
     tables = []
-    for policy, returns in cell.items():
+    for policy, returns in policies.items():
         same = isinstance(returns, float)
         values = np.atleast_1d(np.asarray(returns, dtype=float))
         columns = {"policy": policy, "trial": range(len(values)), "deterministic": same, "discounted_return": values}
-        tables.append(pd.DataFrame({"condition": place[0], "n_cycles": place[1], **columns}))
+        tables.append(pd.DataFrame({"condition": cell[0], "n_cycles": cell[1], **columns}))
     return pd.concat(tables, ignore_index=True)
 
 
@@ -81,8 +81,8 @@ def claim(relation: str, policies: str, others: str = "", n_cycles: tuple[int, .
     )
 
 
-def answers(one: Claim, trials: pd.DataFrame) -> tuple[Answer, Answer]:
-    found = judge_claims({"it": one}, trials, contrasts(trials, SETTINGS, 0), SETTINGS)["it"]
+def answers(asked: Claim, trials: pd.DataFrame) -> tuple[Answer, Answer]:
+    found = judge_claims({"it": asked}, trials, contrasts(trials, SETTINGS, 0), SETTINGS)["it"]
     return found.paper.answer, found.modern.answer
 
 
@@ -175,19 +175,19 @@ def test_one_failing_comparison_decides_and_else_one_open() -> None:
 def test_significance_is_corrected_for_the_family() -> None:
     """p = 0.02 is enough alone, not as one of three comparisons; the paper's own test does not correct."""
     cell = {"a": shifted(1.9, own=5, shared=0), "b": shifted(0, own=0, shared=0.1)}
-    one = claim("significantly_outperforms", "a", "b")
-    assert answers(one, runs(cell)) == (H, H)
-    assert answers(one, runs(cell | {"c": shifted(0.9, own=-5, shared=0.2)})) == (H, O)
+    asked = claim("significantly_outperforms", "a", "b")
+    assert answers(asked, runs(cell)) == (H, H)
+    assert answers(asked, runs(cell | {"c": shifted(0.9, own=-5, shared=0.2)})) == (H, O)
 
 
 def test_the_best_of_several_outperforms() -> None:
     """a beats both others or one; b neither. No version beats both: it does not help that each beats one."""
     low = shifted(-6, own=0)
-    one = claim("best_outperforms", "a b", "c d")
-    assert answers(one, runs({"a": shifted(3), "b": shifted(-9), "c": B, "d": low})) == (H, H)
-    assert answers(one, runs({"a": shifted(-3), "b": shifted(-9), "c": B, "d": low})) == (F, F)
-    assert answers(one, runs({"a": shifted(0.5, own=10), "b": shifted(-9), "c": B, "d": low})) == (H, O)
-    assert answers(one, runs({"a": shifted(3), "b": B, "c": low})) == (O, O)
+    asked = claim("best_outperforms", "a b", "c d")
+    assert answers(asked, runs({"a": shifted(3), "b": shifted(-9), "c": B, "d": low})) == (H, H)
+    assert answers(asked, runs({"a": shifted(-3), "b": shifted(-9), "c": B, "d": low})) == (F, F)
+    assert answers(asked, runs({"a": shifted(0.5, own=10), "b": shifted(-9), "c": B, "d": low})) == (H, O)
+    assert answers(asked, runs({"a": shifted(3), "b": B, "c": low})) == (O, O)
     # over two lengths it may be another one each time
     swapped = runs({"a": shifted(-9), "b": shifted(3), "c": B, "d": low}, ("novice", 20))
     both = pd.concat([runs({"a": shifted(3), "b": shifted(-9), "c": B, "d": low}), swapped])
@@ -196,16 +196,16 @@ def test_the_best_of_several_outperforms() -> None:
 
 
 def test_less_sensitive_compares_the_sizes_of_two_differences() -> None:
-    one = claim("less_sensitive", "a b", "c d")
+    asked = claim("less_sensitive", "a b", "c d")
 
     def four(ours: float, theirs: float, own: float) -> pd.DataFrame:
         return runs({"a": shifted(ours, own), "b": B, "c": shifted(theirs, -own), "d": B})
 
-    assert answers(one, four(-0.2, 3, 0.1)) == (H, H)
-    assert answers(one, four(-3, 0.2, 0.1)) == (F, F)
-    assert answers(one, four(0.1, 0.6, 10)) == (H, O)
-    assert answers(one, four(0.1, 0.12, 0.2)) == (H, F)  # if less, by nothing that counts
-    assert answers(one, runs({"a": shifted(1), "b": B, "c": B})) == (O, O)
+    assert answers(asked, four(-0.2, 3, 0.1)) == (H, H)
+    assert answers(asked, four(-3, 0.2, 0.1)) == (F, F)
+    assert answers(asked, four(0.1, 0.6, 10)) == (H, O)
+    assert answers(asked, four(0.1, 0.12, 0.2)) == (H, F)  # if less, by nothing that counts
+    assert answers(asked, runs({"a": shifted(1), "b": B, "c": B})) == (O, O)
     # averaged over lengths: the difference in one outweighs that in the other
     mixed = pd.concat([four(-0.2, 1.5, 0.1), four(-2, 1.5, 0.1).assign(n_cycles=20)])
     assert answers(claim("less_sensitive", "a b", "c d", (5, 20)), mixed) == (H, H)
@@ -217,10 +217,10 @@ def test_no_single_best() -> None:
     def two(case: str) -> pd.DataFrame:
         return pd.concat([runs(CASES["clear"]), runs(CASES[case], ("novice", 20))])
 
-    one = claim("no_single_best", "a b", n_cycles=(5, 20))
-    assert answers(one, two("noisy")) == (F, F)
-    assert answers(one, two("worse")) == (H, H)
-    assert answers(one, two("unrun")) == (O, O)
+    asked = claim("no_single_best", "a b", n_cycles=(5, 20))
+    assert answers(asked, two("noisy")) == (F, F)
+    assert answers(asked, two("worse")) == (H, H)
+    assert answers(asked, two("unrun")) == (O, O)
     assert answers(claim("no_single_best", "a b"), runs(CASES["noisy"])) == (H, H)
     assert answers(claim("no_single_best", "a b"), runs(CASES["tiny"])) == (H, F)
     assert answers(claim("no_single_best", "a b c"), runs(CASES["clear"] | {"c": shifted(3, own=-0.5)})) == (H, H)
@@ -254,7 +254,7 @@ def some_claims() -> dict[str, Claim]:
 
 def some_runs() -> pd.DataFrame:
     rng = np.random.default_rng(0)
-    cell = {name: shifted(0.2 * place) + rng.normal(size=RUNS) for place, name in enumerate("dcba")}
+    cell = {name: shifted(0.2 * index) + rng.normal(size=RUNS) for index, name in enumerate("dcba")}
     return pd.concat([runs(cell), runs(cell | {"b": shifted(0.6) + rng.normal(size=RUNS)}, ("novice", 20))])
 
 
@@ -323,9 +323,9 @@ def test_the_text_names_every_claim_and_counts_the_verdicts() -> None:
 def test_the_papers_claims_are_complete_and_known() -> None:
     loaded = load_claims(PAPER_CLAIMS)
     assert len(loaded.claims) >= 22 and loaded.experiment_file == PAPER
-    assert {one.place for one in loaded.claims.values()} == {"V-a", "V-b", "VI"}
-    assert {one.relation for one in loaded.claims.values()} == set(RELATIONS)
-    told = {(one.conditions, one.n_cycles) for one in loaded.claims.values() if one.place != "VI"}
+    assert {stated.place for stated in loaded.claims.values()} == {"V-a", "V-b", "VI"}
+    assert {stated.relation for stated in loaded.claims.values()} == set(RELATIONS)
+    told = {(stated.conditions, stated.n_cycles) for stated in loaded.claims.values() if stated.place != "VI"}
     assert {(condition, n) for conditions, cycles in told for condition in conditions for n in cycles} == {
         (condition, n) for condition in loaded.experiment.benchmark.conditions for n in (5, 20, 100)
     }
@@ -340,7 +340,7 @@ def test_the_papers_claims_are_complete_and_known() -> None:
         ("[single_novice]", "[novice]", "claims.novice_5_not_different.conditions: novice not in paper; known are"),
         ("n_cycles: [5]", "n_cycles: [7]", "claims.novice_5_not_different.n_cycles: 7 not in paper; known are 5, 20"),
         ("n_cycles: [5]", "n_cycles: []", "claims.novice_5_not_different.n_cycles = []: should have at least 1"),
-        ("n_cycles: [5]", "n_cycles: [5, 5]", "claims.novice_5_not_different.n_cycles: something stands twice."),
+        ("n_cycles: [5]", "n_cycles: [5, 5]", "claims.novice_5_not_different.n_cycles: 5 is given twice."),
         ("policies: [greedy,", "policies: [best,", "claims.novice_5_not_different.policies: best not in paper"),
         (
             "others: [alternating,", "others: [greedy,",

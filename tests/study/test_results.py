@@ -59,7 +59,7 @@ def test_courses_come_to_the_returns_of_the_table(
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda lines: [*lines, lines[3]], "stands twice: single_novice/5/random/2"),
+        (lambda lines: [*lines, lines[3]], "has duplicate rows: single_novice/5/random/2"),
         (lambda lines: [*lines[:2], *lines[4:]], "2 rows are missing: single_novice/5/random/1, .*/2"),
         (
             lambda lines: [*lines, lines[1].replace("novice", "nobody")],
@@ -147,7 +147,7 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
     found = load_results(small, folder, COMMAND)
     assert found.bounds is not None and found.options == " --bound" and len(found.bounds) == len(grid)
     for change, message in (
-        (lambda lines: [*lines, lines[1]], "stands twice: single_novice/5/random"),
+        (lambda lines: [*lines, lines[1]], "has duplicate rows: single_novice/5/random"),
         (lambda lines: lines[:-1], "1 row is missing: multiple_novice/5/greedy"),
         (
             lambda lines: [*lines, lines[1].replace("random", "chance")],

@@ -30,7 +30,7 @@ BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
 SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py")
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
-Place = tuple[str, int]
+CellKey = tuple[str, int]  # condition and number of cycles
 
 
 def run_bounds(
@@ -43,32 +43,32 @@ def run_bounds(
     LostWorkError.
     """
     remove_left_behind(folder)
-    places = {(cell.condition, cell.n_cycles): cell.scenario for cell in cells if cell.scenario.prior is None}
-    found: dict[Place, tuple[float, bool]] = {}
-    missing: list[tuple[Place, Scenario]] = []
+    scenarios = {(cell.condition, cell.n_cycles): cell.scenario for cell in cells if cell.scenario.prior is None}
+    found: dict[CellKey, tuple[float, bool]] = {}
+    missing: list[tuple[CellKey, Scenario]] = []
     warnings: list[str] = []
-    for place, scenario in places.items():
-        kept = _read(folder, bound_digest(scenario, place[1]), warnings)
+    for key, scenario in scenarios.items():
+        kept = _read(folder, bound_digest(scenario, key[1]), warnings)
         if kept is None:
-            missing.append((place, scenario))
+            missing.append((key, scenario))
         else:
-            found[place] = kept
+            found[key] = kept
             progress()
     missing.sort(key=lambda part: -part[0][1])  # the longest first
     lost = []
     for index, bound in executor.run(_bound, missing):
-        place, scenario = missing[index]
+        key, scenario = missing[index]
         if isinstance(bound, Lost):
-            lost.append(f"the bound of {place[0]}, {place[1]} cycles: {bound.reason}.")
+            lost.append(f"the bound of {key[0]}, {key[1]} cycles: {bound.reason}.")
             continue
-        digest = bound_digest(scenario, place[1])
-        content = {"digest": digest, "n_cycles": place[1], "cost_bound": bound.cost, "exact": bound.exact}
+        digest = bound_digest(scenario, key[1])
+        content = {"digest": digest, "n_cycles": key[1], "cost_bound": bound.cost, "exact": bound.exact}
         publish_with_checksum(_path(folder, digest), content)
-        found[place] = bound.cost, bound.exact
+        found[key] = bound.cost, bound.exact
         progress()
     if lost:
         raise LostWorkError("\n".join(lost))
-    rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in places]
+    rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in scenarios]
     return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"]), warnings
 
 
@@ -91,7 +91,7 @@ def _path(folder: Path, digest: str) -> Path:
     return folder / f"{digest[:DIGEST_LENGTH]}.json"
 
 
-def _bound(part: tuple[Place, Scenario]) -> CostBound:
+def _bound(part: tuple[CellKey, Scenario]) -> CostBound:
     (_, n_cycles), scenario = part
     return bound_of(scenario, n_cycles)
 

@@ -64,11 +64,11 @@ class Cell(Job[TrialResult]):
         )
 
     def is_deterministic(self) -> bool:
-        """Whether every run is the same (paper, footnote 4): nothing left to chance, no dice in the policy."""
+        """Whether every run is the same (paper, footnote 4): no chance in task or policy."""
         return self.scenario.leaves_nothing_to_chance() and not self.settings.build().draws_at_random
 
     def trial_numbers(self) -> range:
-        """See Job.trial_numbers: one where every run is the same."""
+        """See Job.trial_numbers: a single trial where every run is the same."""
         return range(1 if self.is_deterministic() else self.trials)
 
     def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
@@ -76,10 +76,12 @@ class Cell(Job[TrialResult]):
         self._load_compiled_code(trials if self.scenario.prior else trials[:1])
         results = {}
         for trial in trials:
-            world = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
+            random_numbers = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
             planner = random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
             policy = self.settings.build()
-            results[trial] = run_trial(self.scenario, policy, self.settings.knows, self.n_cycles, world, planner)
+            results[trial] = run_trial(
+                self.scenario, policy, self.settings.knows, self.n_cycles, random_numbers, planner
+            )
         return results
 
     def result_of(self, row: Mapping[str, Any]) -> TrialResult:
@@ -96,5 +98,6 @@ class Cell(Job[TrialResult]):
         if isinstance(settings, PomcpSettings):
             settings = settings.model_copy(update={"descents": 1, "seconds": None})
         for trial in trials:
-            world = self.scenario.worker(draw_random_numbers(self.seed, self.condition, self.n_cycles, trial).worker)
-            settings.build().act(self.scenario.initial_belief(settings.knows, world, rng), rng)
+            hidden = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial).worker
+            model = self.scenario.worker(hidden)
+            settings.build().act(self.scenario.initial_belief(settings.knows, model, rng), rng)

@@ -33,7 +33,7 @@ def estimated_seconds(grid: Sequence[Cell], left: Sequence[int], jobs: int) -> f
         return 0.0
     draw = random_stream(0, "time estimate")
     chosen = draw.choice(len(grid), size=min(TIMED_CELLS, len(grid)), p=decisions / decisions.sum())
-    return float(np.mean([_seconds_per_decision(grid[place]) for place in chosen]) * decisions.sum() / jobs)
+    return float(np.mean([_seconds_per_decision(grid[index]) for index in chosen]) * decisions.sum() / jobs)
 
 
 def duration_text(seconds: float) -> str:

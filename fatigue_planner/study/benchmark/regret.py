@@ -14,7 +14,7 @@ from fatigue_planner.study.benchmark.cell import SOURCES, Cell
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.replay import replay
 
-# A loss of this share of the value is none.
+# A loss below this fraction of the value is rounding.
 ROUNDING = 1e-12
 REGRET_SOURCES = ("study/benchmark/regret.py", "study/benchmark/replay.py")
 
@@ -28,7 +28,7 @@ class Regret:
         return falls short of the best, if Q is exact and the run long (performance-difference lemma, Kakade &
         Langford 2002). The reference, like the policies, does not know when the run ends: at the end of a short
         run it gives up some return for a future that is not counted.
-    agreement: share of the decisions that lose nothing
+    agreement: proportion of the decisions that lose nothing
     judged: digest of the actions
     """
 
@@ -92,8 +92,8 @@ class RegretJob(Job[Regret]):
         cell, actions = self.cell, self.actions[trial]
         reference = LookaheadPolicy(self.reference)
         rng = random_stream(cell.seed, "reference", cell.condition, cell.n_cycles, trial, cell.policy)
-        world = cell.scenario.worker(draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial).worker)
-        belief = cell.scenario.initial_belief("prior", world, rng)
+        model = cell.scenario.worker(draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial).worker)
+        belief = cell.scenario.initial_belief("prior", model, rng)
         losses = np.zeros(len(actions))
         for cycle, (action, seen) in enumerate(zip(actions, replay(cell, trial, actions).observations, strict=True)):
             values = reference.values(belief, rng)

@@ -1,4 +1,4 @@
-"""Runs again, from the actions that were taken: a world is drawn before a run, so its course follows from them."""
+"""Replays runs from the actions taken: the random numbers are drawn before a run, so its course follows from them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,13 +27,13 @@ class Course:
 
 def replay(cell: Cell, trial: int, actions: Sequence[int]) -> Course:
     """The course of a trial in which these actions were taken, bit for bit that of the run."""
-    world = draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial)
-    model = cell.scenario.worker(world.worker)
-    state: Vector = cell.scenario.start(world.start)
+    random_numbers = draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial)
+    model = cell.scenario.worker(random_numbers.worker)
+    state: Vector = cell.scenario.start(random_numbers.start)
     fatigue, observations = np.zeros((len(actions), model.entries)), []
     total, discount = 0.0, 1.0
     for cycle, action in enumerate(actions):
-        state, _, reward, observation = cycle_of(model, state, action, world, cycle)
+        state, _, reward, observation = cycle_of(model, state, action, random_numbers, cycle)
         total += discount * reward
         discount *= model.discount
         fatigue[cycle, model.active_entries] = state[: model.active_entries.size]

@@ -106,7 +106,7 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     """The tables of an experiment's grid; `command` makes them, for the messages.
 
     Raises MissingTableError if there are none; StaleTableError if they were made with other settings, with what
-    differs; DamagedFileError, naming them, for rows that are there twice, are missing or belong to no cell of the grid,
+    differs; DamagedFileError, naming them, for rows that are duplicates, are missing or belong to no cell of the grid,
     and for files that are not what was written.
     """
     there = {file: (folder / file).exists() for file in OPTIONAL_FILES}
@@ -226,26 +226,26 @@ def _expected_keys(grid: NotedGrid, trials: pd.DataFrame) -> pd.DataFrame:
 
 
 def courses(grid: Sequence[Cell], results: Results, folder: Path) -> dict[tuple[str, int, str], list[Course]]:
-    """The course of every run by condition, length and policy, lived through again from the actions it took.
+    """The course of every run by condition, length and policy, replayed from the actions it took.
 
-    Raises DamagedFileError, naming the runs, where a course does not come to the return in the table: such a row is
-    of another configuration.
+    Raises DamagedFileError, naming the runs, where a replay does not give the return in the table: such a row is of
+    another configuration.
     """
     table = results.trials.merge(results.actions, on=KEY)
     cells = {(cell.condition, cell.n_cycles, cell.policy): cell for cell in grid}
     found: dict[tuple[str, int, str], list[Course]] = {key: [] for key in cells}
     foreign = []
     columns = (table[name].tolist() for name in [*KEY, ACTIONS, "discounted_return"])
-    for place, (*key, trial, text, discounted_return) in enumerate(zip(*columns, strict=True)):
+    for index, (*key, trial, text, discounted_return) in enumerate(zip(*columns, strict=True)):
         condition, n_cycles, policy = key
         course = _course(cells[condition, n_cycles, policy], trial, text)
         if course is None or course.discounted_return != discounted_return:
-            foreign.append(place)
+            foreign.append(index)
         else:
             found[condition, n_cycles, policy].append(course)
     if foreign:
         raise DamagedFileError(
-            f"{folder / TRIALS_FILE}: not from this configuration, for its actions do not come to its return: "
+            f"{folder / TRIALS_FILE}: not from this configuration, since its actions do not give its return: "
             f"{name_rows(table.iloc[foreign])}. Run `fatplan benchmark` again."
         )
     return found

@@ -36,8 +36,8 @@ def run_grid(
         parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
     parts.sort(key=lambda part: -grid[part[0]].effort * len(part[1]))
     lost = []
-    for place, done in executor.run(_run, [(grid[index].part(trials), trials) for index, trials in parts]):
-        index, trials = parts[place]
+    for position, done in executor.run(_run, [(grid[index].part(trials), trials) for index, trials in parts]):
+        index, trials = parts[position]
         if isinstance(done, Lost):
             lost.append(f"{grid[index].name}, trials {trials[0]} to {trials[-1]}: {done.reason}")
             continue

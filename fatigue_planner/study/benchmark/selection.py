@@ -1,4 +1,4 @@
-"""What a command asks of an experiment's grid, and the cells it comes to."""
+"""What a command asks of an experiment's grid, and the cells that result."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -106,8 +106,8 @@ def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile])
     scenarios = {name: scenario(experiment, profiles, condition) for name, condition in grid.conditions.items()}
     for name, policy in grid.policies.items():
         if isinstance(policy, LookaheadSettings):
-            for one in scenarios.values():
-                check_effort(f"benchmark.policies.{name}", policy, _initial_belief(one))
+            for scenario_of in scenarios.values():
+                check_effort(f"benchmark.policies.{name}", policy, _initial_belief(scenario_of))
     return [
         Cell(condition, n_cycles, policy, settings, scenarios[condition], grid.seed, grid.trials)
         for condition in grid.conditions
@@ -123,13 +123,13 @@ def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, Refere
     """
     chosen = experiment.benchmark.reference
     found = {}
-    for name, one in {cell.condition: cell.scenario for cell in grid}.items():
-        belief = _initial_belief(one)
+    for name, scenario_of in {cell.condition: cell.scenario for cell in grid}.items():
+        belief = _initial_belief(scenario_of)
         if chosen is not None:
             check_effort("benchmark.reference", chosen, belief)
         found[name] = chosen or reference_for(belief)
     return found
 
 
-def _initial_belief(one: Scenario) -> Belief:
-    return one.initial_belief("prior", one.model, np.random.default_rng(0))
+def _initial_belief(scenario_of: Scenario) -> Belief:
+    return scenario_of.initial_belief("prior", scenario_of.model, np.random.default_rng(0))

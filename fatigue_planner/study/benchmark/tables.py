@@ -67,8 +67,8 @@ def publish_table(folder: Path, table: pd.DataFrame, files: Sequence[str]) -> No
 def read_table(folder: Path, file: str, command: str) -> pd.DataFrame:
     """A published table; `command` makes it, for the messages.
 
-    Raises MissingTableError if there is none, DamagedFileError if the file is not such a table; rows that stand
-    twice are named.
+    Raises MissingTableError if there is none, DamagedFileError if the file is not such a table; duplicate
+    rows are named.
     """
     return read_keyed(folder / file, KEY, COLUMNS[file], command)
 
@@ -87,16 +87,16 @@ def read_keyed(
         raise DamagedFileError(f"{path}: is not one of our tables: columns or gaps. Run `{command}`.")
     texts = [name for name in may_be_empty if KINDS.get(name) is str]
     table[texts] = table[texts].fillna("")
-    twice = table.duplicated(list(key))
-    if twice.any():
+    duplicate = table.duplicated(list(key))
+    if duplicate.any():
         raise DamagedFileError(
-            f"{path}: stands twice: {name_rows(table[twice], key)}{_different(table, key)}. Run `{command}`."
+            f"{path}: has duplicate rows: {name_rows(table[duplicate], key)}{_different(table, key)}. Run `{command}`."
         )
     return table
 
 
 def actions_of(text: str) -> list[int]:
-    """The actions of a run. Raises ValueError if they are none."""
+    """The actions of a run. Raises ValueError if the text does not list actions."""
     return [int(number) for number in text.split(" ")]
 
 
@@ -108,13 +108,13 @@ def name_rows(rows: pd.DataFrame, key: Sequence[str] = KEY) -> str:
 
 
 def _different(table: pd.DataFrame, key: Sequence[str]) -> str:
-    """The first two rows of one key that say different things, as a message shows them; nothing if all are equal."""
+    """The first two rows with the same key but different values, as a message shows them; else empty."""
     rows = table.drop_duplicates()
     rows = rows[rows.duplicated(list(key), keep=False)]
     if rows.empty:
         return ""
-    one = rows[(rows[list(key)] == rows[list(key)].iloc[0]).all(axis=1)].drop(columns=list(key)).head(2)
-    return ", with different values: " + " and ".join(str(tuple(row)) for row in one.to_numpy().tolist())
+    same = rows[(rows[list(key)] == rows[list(key)].iloc[0]).all(axis=1)].drop(columns=list(key)).head(2)
+    return ", with different values: " + " and ".join(str(tuple(row)) for row in same.to_numpy().tolist())
 
 
 def _key(cell: Cell, trial: int) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""One run of the task: a policy against the generative model as the world."""
+"""One run of the task: a policy against the generative model, driven by the trial's common random numbers."""
 
 import time
 from dataclasses import dataclass
@@ -25,24 +25,29 @@ class TrialResult:
 
 
 def cycle_of(
-    model: FatiguePomdp, state: Vector, action: int, world: RandomNumbers, cycle: int
+    model: FatiguePomdp, state: Vector, action: int, random_numbers: RandomNumbers, cycle: int
 ) -> tuple[Vector, int, float, int]:
     """What a cycle comes to with these random numbers: the next state, the preference, the reward, the observation."""
-    preference = draw(model.probabilities(state, action), world.preference[cycle])
+    preference = draw(model.probabilities(state, action), random_numbers.preference[cycle])
     moved, reward = model.transition(state, action, preference)
-    seen = draw(model.observation_probabilities(moved, action, preference), world.observation[cycle])
+    seen = draw(model.observation_probabilities(moved, action, preference), random_numbers.observation[cycle])
     return moved, preference, reward, seen
 
 
 def run_trial(
-    scenario: Scenario, policy: Policy, knows: Knowledge, n_cycles: int, world: RandomNumbers, rng: np.random.Generator
+    scenario: Scenario,
+    policy: Policy,
+    knows: Knowledge,
+    n_cycles: int,
+    random_numbers: RandomNumbers,
+    rng: np.random.Generator,
 ) -> TrialResult:
     """Run the task for a number of cycles; `rng` is the planner's own stream.
 
     The return is the sum over the cycles t = 0 ... n_cycles - 1 of gamma^t r_t, r_t = -C(f_t+1).
     """
-    model = scenario.worker(world.worker)
-    state = scenario.start(world.start)
+    model = scenario.worker(random_numbers.worker)
+    state = scenario.start(random_numbers.start)
     belief = scenario.initial_belief(knows, model, rng)
     total, discount = 0.0, 1.0
     costs, times, actions = np.empty(n_cycles), np.empty(n_cycles), []
@@ -51,7 +56,7 @@ def run_trial(
         action = policy.act(belief, rng).action
         times[cycle] = time.perf_counter() - begin
         actions.append(int(action))
-        state, _, reward, observation = cycle_of(model, state, action, world, cycle)
+        state, _, reward, observation = cycle_of(model, state, action, random_numbers, cycle)
         costs[cycle] = -reward
         total -= discount * costs[cycle]
         discount *= model.discount

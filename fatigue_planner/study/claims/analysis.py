@@ -1,6 +1,6 @@
 """The two ways to answer the elementary questions about two policies; docs/claims.md has their rules side by side.
 
-The modern analysis makes paired t-tests with Holm's correction, and equivalence must be shown, by two one-sided tests
+The modern analysis makes paired t-tests with Holm's correction; equivalence must be shown by two one-sided tests
 against the margin (TOST, Schuirmann 1987). The paper's own (section IV-E, footnote 4) makes Student's unpaired t-test,
 not corrected, and takes values as they are where a policy is the same in every run.
 """

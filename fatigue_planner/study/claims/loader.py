@@ -1,4 +1,4 @@
-"""From a file of claims to claims whose every name is known, or one clear message."""
+"""Loads a file of claims and checks every name in it, with one clear message for all faults."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -66,8 +66,8 @@ def _faults(key: str, claim: Claim, experiment: Experiment) -> Iterable[str]:
         unknown = [item for item in items if item not in names]
         if unknown:
             yield f"{key}.{part}: {listed(unknown)} not in {experiment.name}; known are {listed(names)}."
-        if len(set(items)) < len(items):
-            yield f"{key}.{part}: something stands twice."
+        if repeated := [item for item in dict.fromkeys(items) if items.count(item) > 1]:
+            yield f"{key}.{part}: {listed(repeated)} {'is' if len(repeated) == 1 else 'are'} given twice."
     both = [name for name in claim.policies if name in claim.others]
     if both:
         yield f"{key}.others: {listed(both)} already among the policies."

@@ -26,7 +26,7 @@ def _block(row: Mapping[Hashable, Any], width: int) -> str:
         f"Why: {row['reason']}.",
         f"Numbers (difference of the returns in % of the cost): {row['numbers']}." if row["numbers"] else "",
         f"Paper's own test: {row['paper_reason']}." if row["paper_reason"] != row["reason"] else "",
-        f"Room to win: {row['room_to_win']}." if row["room_to_win"] else "",
+        f"Headroom: {row['room_to_win']}." if row["room_to_win"] else "",
     ]
     wrapped = [_wrap(title + row["paper_verdict"], width, "")]
     wrapped += [_wrap(line, width, INDENT) for line in lines if line]

@@ -45,9 +45,9 @@ def rank_policies(cell: pd.DataFrame, significance_level: float) -> list[Ranked]
     same = cell.groupby("policy", sort=False)["deterministic"].all()
     order = sorted(samples, key=lambda name: -float(samples[name].mean()))
     ranked = []
-    for place, name in enumerate(order):
+    for index, name in enumerate(order):
         values = samples[name]
-        following = samples[order[place + 1]] if place + 1 < len(order) else None
+        following = samples[order[index + 1]] if index + 1 < len(order) else None
         p_value, verdict = _compare(values, following, significance_level)
         spread = float(values.std(ddof=1)) if len(values) > 1 else 0.0
         mean, deterministic = float(values.mean()), bool(same[name])

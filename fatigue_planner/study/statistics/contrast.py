@@ -10,7 +10,7 @@ import pandas as pd
 from fatigue_planner.core.errors import UnknownContrastError
 from fatigue_planner.study.statistics.pairing import records
 
-# How the columns turn when first and second change places.
+# How the columns change when first and second are exchanged.
 _OPPOSITE = ("difference", "relative_difference", "cohen_dz", "hedges_g")
 _SWAPPED = (("first", "second"), ("first_mean", "second_mean"))
 _MIRRORED = (("t_low", "t_high"), ("bca_low", "bca_high"))
@@ -66,15 +66,15 @@ class Contrast:
 
     @property
     def mean_cost(self) -> float:
-        """The mean of the two policies' mean costs; NaN unless it is positive, since nothing is a share of it then."""
+        """The mean of the two policies' mean costs; NaN unless positive: else no fraction of it makes sense."""
         cost = -(self.first_mean + self.second_mean) / 2
         return cost if cost > 0 else nan
 
     def flipped(self) -> Self:
         """The same with first and second exchanged."""
         changes: dict[str, object] = {name: -getattr(self, name) for name in _OPPOSITE}
-        changes |= {one: getattr(self, other) for pair in _SWAPPED for one, other in (pair, pair[::-1])}
-        changes |= {one: -getattr(self, other) for pair in _MIRRORED for one, other in (pair, pair[::-1])}
+        changes |= {name: getattr(self, other) for pair in _SWAPPED for name, other in (pair, pair[::-1])}
+        changes |= {name: -getattr(self, other) for pair in _MIRRORED for name, other in (pair, pair[::-1])}
         changes["improvement"] = 1 - self.improvement
         changes["improvement_low"] = 1 - self.improvement_high
         changes["improvement_high"] = 1 - self.improvement_low
@@ -113,11 +113,11 @@ def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, 
     Raises UnknownContrastError if no family has it.
     """
     cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)]
-    for one, other in ((first, second), (second, first)):
-        rows = cell[(cell["first"] == one) & (cell["second"] == other)]
+    for policy, other in ((first, second), (second, first)):
+        rows = cell[(cell["first"] == policy) & (cell["second"] == other)]
         if len(rows):
             contrast = contrasts_in(rows.head(1))[0]
-            return contrast if one == first else contrast.flipped()
+            return contrast if policy == first else contrast.flipped()
     raise UnknownContrastError(
         f"{first} against {second} in {condition}, {n_cycles} cycles: is in no family of the experiment's statistics."
     )

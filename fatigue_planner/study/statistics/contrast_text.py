@@ -13,14 +13,14 @@ MAX_LISTED = 15  # per family; all of them are in the table
 
 
 def contrast_text(table: pd.DataFrame, settings: StatisticsSettings) -> str:
-    """`table` is `contrasts`'s. Shares are of the mean cost of the two policies."""
+    """The table of `contrasts` in words. Fractions are of the mean cost of the two policies."""
     if table.empty:
         return "Contrasts: none; no family of the experiment compares two of these policies.\n"
     level = settings.significance_level
     lines = [
-        "Contrasts: policies in the same worlds, by the paired t-test, corrected within each family (Holm) at "
+        "Contrasts: policies with common random numbers, by the paired t-test, corrected within each family (Holm) at "
         f"{100 * level:g} %;",
-        f"equivalent: the costs differ by less than {100 * settings.equivalence_margin:g} % (two one-sided tests).",
+        f"equivalent: the costs differ by less than {100 * settings.equivalence_margin:g} % (TOST).",
     ]
     for name, rows in table.groupby("family", sort=False):
         lines += ["", *_family_lines(str(name), contrasts_in(rows), level)]
@@ -31,7 +31,7 @@ def _family_lines(name: str, family: Sequence[Contrast], level: float) -> Iterat
     tested = [contrast for contrast in family if contrast.paired_p >= 0]
     verdicts = Counter(contrast.verdict(level) for contrast in tested)
     differ = verdicts[Verdict.BETTER] + verdicts[Verdict.WORSE]
-    counts = f"{differ} differ, " + ", ".join(f"{verdicts[one]} {one}" for one in NOT_DIFFERENT)
+    counts = f"{differ} differ, " + ", ".join(f"{verdicts[verdict]} {verdict}" for verdict in NOT_DIFFERENT)
     number = f"{len(family)} comparison{'s' if len(family) > 1 else ''}"
     yield f"{name}: {number}" + (f", {len(tested)} tested: {counts}" if tested else "")
     for note, count in Counter(contrast.note for contrast in family if contrast.note).items():
@@ -40,7 +40,7 @@ def _family_lines(name: str, family: Sequence[Contrast], level: float) -> Iterat
     otherwise = [contrast for contrast in otherwise if contrast.student_p >= 0]
     if otherwise:
         yield f"  The paper's test (Student's, unpaired, not corrected) says otherwise of {len(otherwise)}:"
-        yield f"  (the better mean first; its gain as a share of the cost with its {100 * (1 - level):g} % interval)"
+        yield f"  (the better mean first; its gain as a fraction of the cost with its {100 * (1 - level):g} % interval)"
     for contrast in otherwise[:MAX_LISTED]:
         yield f"    {_sentence(contrast if contrast.difference > 0 else contrast.flipped(), level)}"
     if len(otherwise) > MAX_LISTED:
@@ -48,7 +48,7 @@ def _family_lines(name: str, family: Sequence[Contrast], level: float) -> Iterat
 
 
 def _sentence(contrast: Contrast, level: float) -> str:
-    """How the better policy of the two stands to the other one."""
+    """How the better policy of the two compares with the other one."""
     low, middle, high = (
         100 * number / contrast.mean_cost for number in (contrast.t_low, contrast.difference, contrast.t_high)
     )

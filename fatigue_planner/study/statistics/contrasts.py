@@ -49,7 +49,7 @@ def compute_contrast(
         return _exact(contrast, "deterministic: nothing is left to chance")
     if len(pairs.first) < 2:
         return replace(contrast, note="n/a (one run only)")
-    contrast = _with_shares(_with_unpaired(contrast, pairs), pairs, settings.significance_level)
+    contrast = _with_improvement(_with_unpaired(contrast, pairs), pairs, settings.significance_level)
     if not pairs.differences.any():
         return _exact(contrast, "the same in every run")
     if pairs.constant():
@@ -79,10 +79,10 @@ def _with_unpaired(contrast: Contrast, pairs: PairedReturns) -> Contrast:
     return replace(contrast, student_p=student_p(*both), welch_p=welch_p(*both), hedges_g=hedges_g(*both))
 
 
-def _with_shares(contrast: Contrast, pairs: PairedReturns, level: float) -> Contrast:
-    share = improvement(pairs.differences)
-    low, high = wilson_interval(share, contrast.trials, level)
-    return replace(contrast, improvement=share, improvement_low=low, improvement_high=high)
+def _with_improvement(contrast: Contrast, pairs: PairedReturns, level: float) -> Contrast:
+    improved = improvement(pairs.differences)
+    low, high = wilson_interval(improved, contrast.trials, level)
+    return replace(contrast, improvement=improved, improvement_low=low, improvement_high=high)
 
 
 def _with_paired(contrast: Contrast, pairs: PairedReturns, settings: StatisticsSettings, seed: int) -> Contrast:
@@ -132,8 +132,8 @@ FIRST, SECOND = "first", "second"
 def side_by_side(first: pd.DataFrame, second: pd.DataFrame, settings: StatisticsSettings, seed: int) -> pd.DataFrame:
     """One row per condition, length and policy that both tables have; the columns of `contrasts` and `policy`.
 
-    Runs are paired by trial, up to as many as both have: with the same seed they are in the same worlds; with
-    another one the pairs are arbitrary, which is valid, but finds less.
+    Runs are paired by trial, up to as many as both have: with the same seed they have common random numbers; with
+    another seed the pairs are arbitrary, which is valid but finds less.
     """
     rows = []
     for label, own, other in ((FIRST, first, second), (SECOND, second, first)):

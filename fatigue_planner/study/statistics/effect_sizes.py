@@ -32,14 +32,14 @@ def hedges_g(first: Vector, second: Vector) -> float:
 
 
 def improvement(differences: Vector) -> float:
-    """The share of worlds in which the first is better, ties half (probability of improvement, here paired)."""
+    """The proportion of worlds in which the first is better, ties half (probability of improvement, here paired)."""
     return float(np.mean(differences > 0) + np.mean(differences == 0) / 2)
 
 
 def detectable_difference(differences: NDArray[np.float64], level: float) -> float:
     """The smallest true mean difference that the two-sided paired t-test finds with probability POWER, absolute.
 
-    The spread of the differences (n,), n > 1, is taken for the true one.
+    The spread of the differences (n,), n > 1, is taken as the true spread.
     """
     return detectable_noncentrality(len(differences), level) * standard_error(differences)
 

@@ -46,7 +46,7 @@ def paired_p(differences: Vector) -> float:
 
 
 def permutation_p(differences: Vector, resamples: int, rng: np.random.Generator) -> float:
-    """Fisher's (1935) test by sign flips: the share of flips that leave the sum as far from 0, or farther.
+    """Fisher's (1935) test by sign flips: the proportion of flips that leave the sum as far from 0 or farther.
 
     Up to 2^n <= resamples all flips are counted; beyond, that many random ones and the sample itself (Phipson and
     Smyth 2010). scipy.stats.permutation_test does the same for samples of pairs, but takes many times as long.
@@ -74,7 +74,10 @@ def _sums(flips: NDArray[np.integer[Any]], differences: Vector) -> Vector:
 
 
 def equivalence_p(differences: Vector, margin: float) -> float:
-    """Two one-sided paired t-tests (Schuirmann 1987) of |true mean| >= margin; a small p speaks for less."""
+    """The equivalence test (TOST, Schuirmann 1987): two one-sided paired t-tests of |true mean| >= margin.
+
+    Returns the larger p; if it is small, the true mean is within the margin.
+    """
     t = (abs(float(differences.mean())) - margin) / standard_error(differences)
     return float(stdtr(len(differences) - 1, t))
 

@@ -1,4 +1,4 @@
-"""Confidence intervals: of a mean, by Student's t and by the bootstrap, and of a share."""
+"""Confidence intervals: of a mean, by Student's t and by the bootstrap, and of a proportion."""
 
 import math
 import warnings
@@ -50,12 +50,12 @@ def _mean(values: Vector, axis: int = -1) -> Vector:
     return np.asarray(values.mean(axis=axis))
 
 
-def wilson_interval(share: float, n: int, level: float) -> Interval:
-    """Wilson's (1927) interval of a share among n.
+def wilson_interval(proportion: float, n: int, level: float) -> Interval:
+    """Wilson's (1927) interval of a proportion among n.
 
     With ties counted half it is conservative: a tie's half varies less than a win or a loss.
     """
     z2 = float(ndtri(1 - level / 2)) ** 2
-    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = math.sqrt(z2 / n * (share * (1 - share) + z2 / (4 * n))) / (1 + z2 / n)
+    middle = (proportion + z2 / (2 * n)) / (1 + z2 / n)
+    half = math.sqrt(z2 / n * (proportion * (1 - proportion) + z2 / (4 * n))) / (1 + z2 / n)
     return max(0.0, middle - half), min(1.0, middle + half)

@@ -1,4 +1,4 @@
-"""Two policies' runs with common random numbers, side by side; two tables of trials, side by side."""
+"""Pairs the runs of two policies by common random numbers: in a trial both meet the same world."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ def groups_of(table: pd.DataFrame, column: str) -> Iterator[tuple[str, pd.DataFr
 
 Vector = NDArray[np.float64]
 
-# Returns that differ by less than this share of them are the same.
+# Returns that differ by less than this fraction of them are the same.
 ROUNDING = 1e-12
 MAX_NAMED = 5
 
@@ -50,7 +50,7 @@ class Runs:
         return [trial for trial in trials if trial not in self.returns]
 
     def in_worlds(self, trials: Sequence[int]) -> Vector:
-        """The returns in the worlds of these trials; a deterministic policy returns in all what it did in one."""
+        """The returns in the worlds of these trials; a deterministic policy returns the same in all of them."""
         if self.deterministic:
             return np.full(len(trials), next(iter(self.returns.values())))
         return np.array([self.returns[trial] for trial in trials])
@@ -85,7 +85,7 @@ class PairedReturns:
 
 
 def _vary(values: Vector, *scale: Vector) -> bool:
-    return bool(np.ptp(values) > ROUNDING * max(np.abs(one).max() for one in (scale or (values,))))
+    return bool(np.ptp(values) > ROUNDING * max(np.abs(sample).max() for sample in (scale or (values,))))
 
 
 def runs_by_policy(trials: pd.DataFrame) -> dict[tuple[str, int, str], Runs]:
@@ -101,7 +101,7 @@ def runs_by_policy(trials: pd.DataFrame) -> dict[tuple[str, int, str], Runs]:
 
 
 def pair_runs(first: Runs, second: Runs) -> PairedReturns:
-    """Match runs by the number of their trial: all policies of a trial meet the same world (`streams`)."""
+    """Match runs by the number of their trial, which decides their common random numbers (`core.random_streams`)."""
     both = (first, second)
     drawn = (not first.deterministic, not second.deterministic)
     trials = sorted({trial for runs in both if not runs.deterministic for trial in runs.returns}) or [0]

@@ -14,9 +14,9 @@ def regret_table(trials: pd.DataFrame) -> pd.DataFrame:
     """One row per condition, length and policy, the smallest loss per run first within a length.
 
     `trials` has the columns condition, n_cycles, policy, deterministic, discounted_return, decision_loss, run_loss
-    and agreement. Columns made: trials; decision_loss and run_loss (means), run_loss_standard_error, NaN for one
-    run that chance has made;
-    decision_loss_share and run_loss_share: these as shares of the mean cost of a run; agreement.
+    and agreement. Columns made: trials; decision_loss and run_loss (means), run_loss_standard_error, NaN for a single
+    run in which chance has a part;
+    decision_loss_share and run_loss_share: these as fractions of the mean cost of a run; agreement.
     """
     groups = trials.groupby(GROUP, sort=False)
     table = groups[["decision_loss", "run_loss", "agreement"]].mean()
@@ -26,16 +26,16 @@ def regret_table(trials: pd.DataFrame) -> pd.DataFrame:
     table["run_loss_standard_error"] = error.mask(groups["deterministic"].all(), 0.0)
     for name in ("decision_loss", "run_loss"):
         table[f"{name}_share"] = (table[name] / cost).where(cost > 0, 0.0)
-    order = trials.drop_duplicates(GROUP[:2]).reset_index()[GROUP[:2]].reset_index(names="place")
-    ranked = table.reset_index().merge(order, on=GROUP[:2]).sort_values(["place", "run_loss"], kind="stable")
-    return ranked.drop(columns="place").reset_index(drop=True)
+    order = trials.drop_duplicates(GROUP[:2]).reset_index()[GROUP[:2]].reset_index(names="order")
+    ranked = table.reset_index().merge(order, on=GROUP[:2]).sort_values(["order", "run_loss"], kind="stable")
+    return ranked.drop(columns="order").reset_index(drop=True)
 
 
 def regret_text(table: pd.DataFrame, references: dict[str, str]) -> str:
     """The table in words; `references`: how each condition's reference is called."""
     lines = [
         "Regret: what a policy's decisions lose against the reference's values in the states it visits, per run",
-        "(mean ± standard error, and as a share of the run's cost), per decision, and how often nothing is lost.",
+        "(mean ± standard error, and as a fraction of the run's cost), per decision, and how often nothing is lost.",
         "The reference, like the policies, plans for a task without end.",
     ]
     for condition, n_cycles, cell in cells_of(table):
@@ -50,11 +50,11 @@ def regret_text(table: pd.DataFrame, references: dict[str, str]) -> str:
 
 
 def gap_table(comparison: pd.DataFrame, bounds: pd.DataFrame) -> pd.DataFrame:
-    """One row per condition, length and policy: the mean cost above the bound, as a share of the bound.
+    """One row per condition, length and policy: the mean cost above the bound, as a fraction of the bound.
 
     `comparison` is `comparison_table`'s; `bounds` has the columns condition, n_cycles, cost_bound and exact.
-    The bound holds for expected costs, so a sample's mean may lie below it by chance: standard_error, also as a
-    share; NaN for one run that chance has made. Where the bound is 0 the gap is the cost itself.
+    The bound holds for expected costs, so a sample's mean may lie below it by chance: standard_error, also as
+    a fraction; NaN for a single run in which chance has a part. Where the bound is 0 the gap is the cost itself.
     """
     table = comparison.merge(bounds, on=["condition", "n_cycles"])
     cost = -table["mean"]
@@ -72,11 +72,11 @@ def gap_text(table: pd.DataFrame, left_out: Sequence[str]) -> str:
         best = cell.iloc[0]
         bound = f"{'is' if best['exact'] else 'is at least'} {best['cost_bound']:.6f}"
         spread = f" ± {100 * best['standard_error']:.2f} %" if best["standard_error"] > 0 else ""
-        one = ", one run" if math.isnan(best["standard_error"]) else ""
+        single = ", one run" if math.isnan(best["standard_error"]) else ""
         side = "below" if best["gap"] < 0 else "above"
         lines.append(
             f"  {condition}, {n_cycles} cycles: the least expected cost {bound}; the mean of {best['policy']} is "
-            f"{100 * abs(best['gap']):.2f} %{spread} {side} {'it' if best['exact'] else 'that'}{one}"
+            f"{100 * abs(best['gap']):.2f} %{spread} {side} {'it' if best['exact'] else 'that'}{single}"
         )
     if left_out:
         lines.append(f"  No bound where the worker is hidden: {', '.join(left_out)}.")
