@@ -22,7 +22,7 @@ from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
-from fatigue_planner.output.reports.results.report import report
+from fatigue_planner.output.reports.results.report import SECTIONS, report
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.settings import origins
@@ -145,6 +145,24 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
     )
     text = report(report_data(small, reactions, folder, file), FigureFolder(tmp_path))
     assert "greedy beats alternating" in text and "Of 1 claim of the paper, 1 is reproduced" in text
+
+
+def test_a_section_is_a_function_and_a_line_in_the_registry(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the registry's order; one that has nothing to say is left out."""
+
+    def last_costs_section(report_data: ReportData, figures: FigureFolder) -> Section:
+        return Section("The last cycle", [Text(f"{report_data.results.trials['final_cost'].mean():.6f}")])
+
+    for name in list(SECTIONS):
+        if name != "provenance":
+            monkeypatch.delitem(SECTIONS, name)
+    monkeypatch.setitem(SECTIONS, "last_costs", last_costs_section)
+    monkeypatch.setitem(SECTIONS, "nothing", lambda report_data, figures: None)
+    text = report(report_data(small, reactions, folder), FigureFolder(folder))
+    assert re.findall(r"<h2>(.*?)</h2>", text) == ["1. Provenance", "2. The last cycle"]
+    assert f"{pd.read_csv(folder / 'trials.csv')['final_cost'].mean():.6f}" in text
 
 
 def test_claims_about_another_experiment_are_refused(
