@@ -4,14 +4,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-import yaml
-from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.cli.options import Json, present
 from fatigue_planner.core.errors import ExperimentError, OutputFolderError
-from fatigue_planner.core.files import publish_text
-from fatigue_planner.core.settings import Name
-from fatigue_planner.experiment.error_messages import NAME_PATTERN
 
 EXPERIMENT = """\
 # Your own workstation. Change what is below, then run
@@ -51,6 +46,13 @@ def init(
     as_json: Json = False,
 ) -> None:
     """Write a short, commented experiment, NAME.yaml, to fill in with a task of your own."""
+    import yaml
+    from pydantic import TypeAdapter, ValidationError
+
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.core.settings import Name
+    from fatigue_planner.experiment.error_messages import NAME_PATTERN
+
     try:
         TypeAdapter(Name).validate_python(name)
     except ValidationError as error:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-import yaml
 
 from fatigue_planner.cli.options import Json, Plugins, present
 from fatigue_planner.core.errors import ExperimentError, FatplanError
@@ -105,6 +104,8 @@ def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], st
     if defaults:
         text += f"\nLeft to defaults: {', '.join(defaults)} (--resolved prints them)."
     if resolved:
+        import yaml
+
         text = yaml.safe_dump(complete, sort_keys=False, default_flow_style=None, width=120).rstrip()
     return {"about": about, "defaults": defaults, "resolved": complete if resolved else None}, text
 

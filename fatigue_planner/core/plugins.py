@@ -11,7 +11,7 @@ import importlib.util
 import inspect
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -64,15 +64,18 @@ class Registry(Generic[K]):
 
     def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
         """Any of the kinds that are known when a value is validated."""
-        return core_schema.with_info_plain_validator_function(self._validate)
+        strict, lax = (
+            core_schema.with_info_plain_validator_function(partial(self._validate, s)) for s in (True, False)
+        )
+        return core_schema.lax_or_strict_schema(lax_schema=lax, strict_schema=strict)
 
     def __get_pydantic_json_schema__(self, _schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
         """A schema of all the kinds."""
         return handler(self._union().core_schema)
 
-    def _validate(self, value: Any, info: core_schema.ValidationInfo) -> K:
+    def _validate(self, strict: bool, value: Any, info: core_schema.ValidationInfo) -> K:
         # parsed JSON has lists where settings have tuples
-        return self._union().validate_python(value, strict=info.mode == "python")
+        return self._union().validate_python(value, strict=strict and info.mode == "python")
 
     def _union(self) -> TypeAdapter[K]:
         kinds = self.kinds()

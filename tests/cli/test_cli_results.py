@@ -11,7 +11,6 @@ import pytest
 import yaml
 from commands import fatplan, finished, refused, small_files
 from conftest import PAPER
-from snippets import block
 from test_cli_json import document
 
 FIGURES = ["report", "--figures-only"]
@@ -98,21 +97,6 @@ def test_figures_refuse_a_table_that_is_not_this_experiments(results: Path, cach
     assert "is not what was written" in refused(4, *FIGURES, experiment, *folders)
     table.write_text(table.read_text().replace("-0.1", "-0.o", 1))
     assert "is not one of our tables" in refused(4, *FIGURES, experiment, *folders)
-
-
-def test_the_documented_script_computes_a_contrast(
-    results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "experiments").mkdir()
-    (tmp_path / "experiments" / "paper.yaml").symlink_to(results.parent / "paper.yaml")
-    (tmp_path / "results").symlink_to(results.parent)
-    monkeypatch.chdir(tmp_path)
-    exec(block("statistics.md", "## A statistic of your own", "python"), {})
-    table = pd.read_csv(results / "contrasts.csv").set_index(["condition", "n_cycles", "first", "second"])
-    row = table.loc["single_novice", 100, "greedy", "pomcp_0.1"]
-    relative, holm_p, verdict = capsys.readouterr().out.split()
-    assert float(relative) == -row["relative_difference"] and float(holm_p) == row["holm_p"]
-    assert verdict in {"better", "worse", "equivalent", "undetermined"}
 
 
 def test_claims_are_judged_from_the_published_tables(results: Path) -> None:

@@ -27,7 +27,7 @@ from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
-from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, ExactSettings, ParticleSettings, fitting, initial_belief
+from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, ExactSettings, ParticleSettings, fitting
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, one_worker
 from fatigue_planner.pomdp.hidden_worker import Distribution, HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import draw
@@ -206,13 +206,13 @@ def test_particles_find_the_exact_posterior_of_a_finite_prior(recognition: np.nd
     here = in_mind(FINITE, recognition)
     rng = np.random.default_rng(2)
     args = here.model, here.states, here.weights, FINITE
-    exact = initial_belief(*args, ExactSettings(kind="exact"), rng)
+    exact = ExactSettings(kind="exact").build(*args, rng)
     past = lived(here.worker(np.array([0.1, 0.5, 0.9])), here.states[1], cycles, 4)
     for action, seen in past:
         exact = exact.update(action, seen, rng)
     estimates = []
     for _ in range(30):
-        belief = initial_belief(*args, ParticleSettings(kind="particles", count=500), rng)
+        belief = ParticleSettings(kind="particles", count=500).build(*args, rng)
         for action, seen in past:
             belief = belief.update(action, seen, rng)
         belief = belief.resampled(rng)

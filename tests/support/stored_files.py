@@ -42,4 +42,4 @@ def assert_whole(folder: Path) -> None:
         elif path.suffix == ".json":
             json.loads(path.read_bytes())
         else:
-            assert path.name == "summary.txt" and path.read_bytes().endswith(b"\n"), path
+            assert path.name in {"summary.txt", "experiment.yaml"} and path.read_bytes().endswith(b"\n"), path
