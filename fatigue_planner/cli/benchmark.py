@@ -78,9 +78,9 @@ def benchmark(
     changed grid gets a results folder of its own, named after the changes. The same command continues
     an interrupted run where it stopped, and ends with the same tables.
     """
-    from fatigue_planner.core.files import publish_bytes, writable_folder
+    from fatigue_planner.core.files import find_shipped, publish_bytes, writable_folder
     from fatigue_planner.experiment.build import load_cycle_profiles
-    from fatigue_planner.experiment.loader import find_shipped, load_experiment
+    from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 

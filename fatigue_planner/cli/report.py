@@ -120,8 +120,7 @@ def _write_page(
     commands: tuple[str, str, str],
 ) -> Path:
     """The page, its figures beside it; `commands` make the reactions, the tables and the page."""
-    from fatigue_planner.core.files import publish_text
-    from fatigue_planner.experiment.loader import find_shipped
+    from fatigue_planner.core.files import find_shipped, publish_text
     from fatigue_planner.output.reports.html.page import REPORT_FILE
     from fatigue_planner.output.reports.results.report import report as report_page
     from fatigue_planner.output.reports.results.report_data import ReportData

@@ -38,8 +38,8 @@ def validate(
     as_json: Json = False,
 ) -> None:
     """Check a FILE of settings completely, without running anything, and list all its faults at once."""
+    from fatigue_planner.core.files import find_shipped
     from fatigue_planner.core.yaml_reader import read_yaml
-    from fatigue_planner.experiment.loader import find_shipped
 
     document: dict[str, Any] = {"file": file, "kind": None, "valid": False, "faults": [], "about": ""}
     document |= {"defaults": (), "resolved": None}

@@ -1,4 +1,4 @@
-"""Publishing files whole, and digests of what decides a result."""
+"""Files: published whole, found where they ship, and digests of what decides a result."""
 
 import contextlib
 import hashlib
@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fatigue_planner.core.errors import OutputFolderError
+from fatigue_planner.core.errors import ExperimentError, OutputFolderError, listed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,8 +22,30 @@ PACKAGE = Path(__file__).parents[1]
 DIGEST_LENGTH = 16  # hexadecimal digits of a digest in a file's name
 # A temporary file of a run that is still going on is younger: it is written in one go.
 LEFT_BEHIND_AFTER_S = 3600
+# How a file that ships is named without folder and suffix.
+_NAME = re.compile(r"\w{1,40}")
 _TEMPORARY_MARK = "fatplan-unfinished-"
 _TEMPORARY = re.compile(rf"\..*{_TEMPORARY_MARK}[0-9a-z_]+(\.\w+)?")
+
+
+def shipped_folder() -> Path:
+    """The folder of the experiments that ship with fatplan: the repository's, which the build puts into the wheel."""
+    inside = PACKAGE / "shipped"
+    return inside if inside.is_dir() else PACKAGE.parent / "experiments"
+
+
+def find_shipped(path: Path) -> Path:
+    """The file that is meant: itself or, where there is no such file, the one of this name that ships with fatplan.
+
+    Raises ExperimentError, naming those that ship, if a bare name is none of them.
+    """
+    if not _NAME.fullmatch(str(path)) or path.is_file():
+        return path
+    shipped = shipped_folder() / f"{path}.yaml"
+    if shipped.is_file():
+        return shipped
+    names = listed(file.stem for file in sorted(shipped_folder().glob("*.yaml")))
+    raise ExperimentError(f"{path}: neither a file nor the name of one that ships with fatplan: {names}.")
 
 
 def writable_folder(folder: Path) -> Path:

@@ -6,9 +6,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from fatigue_planner.core.errors import ExperimentError, listed
-from fatigue_planner.core.files import PACKAGE
-from fatigue_planner.core.settings import MAX_NAME_LENGTH, Settings
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.files import find_shipped
+from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
@@ -22,27 +22,6 @@ ENTRIES = (
     "actions", "preferences", "initial_beliefs", "hidden_workers", "benchmark.conditions", "benchmark.policies",
     "statistics.families",
 )  # fmt: skip
-
-
-def shipped_folder() -> Path:
-    """The folder of the experiments that ship with fatplan: the repository's, which the build puts into the wheel."""
-    inside = PACKAGE / "shipped"
-    return inside if inside.is_dir() else PACKAGE.parent / "experiments"
-
-
-def find_shipped(path: Path) -> Path:
-    """The file that is meant: itself or, where there is no such file, the one of this name that ships with fatplan.
-
-    Raises ExperimentError, naming those that ship, if a name (no folder, no `.yaml`) is none of them.
-    """
-    name = path.name == str(path) and not path.suffix and len(path.name) <= MAX_NAME_LENGTH
-    if not name or path.is_file():
-        return path
-    shipped = shipped_folder() / f"{path}.yaml"
-    if shipped.exists():
-        return shipped
-    names = [file.stem for file in sorted(shipped_folder().glob("*.yaml"))]
-    raise ExperimentError(f"{path}: neither a file nor the name of one that ships with fatplan: {listed(names)}.")
 
 
 def load_experiment(path: Path) -> Experiment:

@@ -7,10 +7,11 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
+from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.benchmark_settings import Benchmark
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.loader import find_shipped, load_experiment
+from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Claim, ClaimsFile

@@ -9,9 +9,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
+from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message
-from fatigue_planner.experiment.loader import complete_content, find_shipped, parse_experiment, read_content
+from fatigue_planner.experiment.loader import complete_content, parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
 from fatigue_planner.study.sensitivity.factors import Level
