@@ -1,11 +1,13 @@
 """Plug-ins: found in files and installed packages, part of the keys of what they made, and told when they fail."""
 
 import sys
+from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from forgotten_plugins import forgotten_plugins
 
 from fatigue_planner.core import plugins
 from fatigue_planner.core.errors import ExperimentError, PluginError
@@ -13,7 +15,6 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.plugins import load_installed_plugins, load_plugin, plugin_sources, run_plugin
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
-from fatigue_planner.planners.registry import KINDS
 
 PAPER = ROOT / "experiments/paper.yaml"
 POLICY = """
@@ -34,16 +35,10 @@ class FirstSettings(fp.PolicySettings):
 
 
 @pytest.fixture(autouse=True)
-def _forget(monkeypatch: pytest.MonkeyPatch):
+def _forget() -> Iterator[None]:
     """No plug-in outlives its test."""
-    monkeypatch.setattr(plugins, "_SOURCES", {})
-    yield
-    POLICIES._kinds.clear()
-    for kind in KINDS:
-        POLICIES.add(kind)
-    load_installed_plugins.cache_clear()
-    for name in [name for name in sys.modules if name.startswith(plugins.MODULE_PREFIX)]:
-        del sys.modules[name]
+    with forgotten_plugins():
+        yield
 
 
 def write(folder: Path, text: str, name: str = "mine") -> Path:
