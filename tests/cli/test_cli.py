@@ -34,20 +34,6 @@ def test_a_damaged_entry_is_exit_code_4_and_mended_by_simulate(cache_folder: Pat
     assert done.returncode == 0 and "set aside" in done.stderr and "3 found in the cache, 1 simulated" in done.stdout
 
 
-def test_the_readmes_workstation_runs(tmp_path: Path) -> None:
-    """The README's YAML, laid over the paper's experiment, gives four usable motions."""
-    import yaml
-
-    block = (PAPER.parents[1] / "README.md").read_text().split("```yaml\n")[1].split("```")[0]
-    experiment = yaml.safe_load(PAPER.read_text().replace("1e-8", "1.0e-8").replace("1e-6", "1.0e-6"))
-    for key, value in yaml.safe_load(block).items():
-        experiment[key] = value if key in {"actions", "workers"} else experiment[key] | value
-    path = tmp_path / "mine.yaml"
-    path.write_text(yaml.safe_dump(experiment))
-    done = fatplan("simulate", path, "--cache", tmp_path)
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
 def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
     """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
     path = tmp_path / "far.yaml"

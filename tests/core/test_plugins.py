@@ -6,6 +6,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from commands import fatplan, refused
 from conftest import ROOT
 from forgotten_plugins import forgotten_plugins
 
@@ -129,6 +130,17 @@ def test_a_broken_installed_plug_in_is_named(monkeypatch: pytest.MonkeyPatch) ->
     load_installed_plugins.cache_clear()
     with pytest.raises(PluginError, match="the plug-in 'mine' of the installed package unknown: ModuleNotFoundError"):
         policies(a={"kind": "greedy"})
+
+
+def test_a_command_loads_the_file_that_is_named(tmp_path: Path) -> None:
+    experiment = tmp_path / "mine.yaml"
+    experiment.write_text(PAPER.read_text().replace("    random: {kind: random}", "    random: {kind: first}"))
+    assert "random.kind = 'first': should be one of" in refused(2, "validate", experiment)
+    file = write(tmp_path, "raise ValueError('no')")
+    assert f"--plugin {file}: line 1: ValueError: no." in refused(2, "validate", experiment, "--plugin", file)
+    write(tmp_path, POLICY.format(kind="first"))
+    done = fatplan("validate", experiment, "--plugin", file)
+    assert done.returncode == 0 and "mine.yaml: ok" in done.stdout, done.stderr
 
 
 def kind_of(settings: PolicySettings) -> str:
