@@ -8,25 +8,21 @@ A tiger is behind one of two doors, gold behind the other one. Whoever listens h
 
 import numpy as np
 
-from fatigue_planner.core.jit import compiled
-from fatigue_planner.planners.policy import PolicySettings
-from fatigue_planner.planners.pomcp.policy import PomcpSettings
-from fatigue_planner.pomdp.beliefs.exact import ExactBelief
-from fatigue_planner.pomdp.problem import Dynamics, Pomdp
+import fatigue_planner as fp
 
 SIDES = ("left", "right")
 LISTEN = 2  # actions 0 and 1 open the door of that side
 COST, GOLD, TIGER, HEARD_RIGHTLY = -1.0, 10.0, -100.0, 0.85
 
 
-@compiled
+@fp.compiled
 def chances_of_outcomes(_arrays, state, action, chances):
     """The outcome is the side of the tiger after the action; a state is the side before it."""
     for side in range(2):
         chances[side] = 0.5 if action != LISTEN else 1.0 if side == state[0] else 0.0
 
 
-@compiled
+@fp.compiled
 def advance(_arrays, state, action, side):
     """Put the tiger on its new side; the reward is for what was done before."""
     reward = COST if action == LISTEN else TIGER if action == state[0] else GOLD
@@ -34,25 +30,25 @@ def advance(_arrays, state, action, side):
     return reward
 
 
-@compiled
+@fp.compiled
 def chance_of_observation(_arrays, state, action, _side, heard):
     """How likely a tiger is heard on the side `heard`; who opens a door hears nothing of use."""
     return 0.5 if action != LISTEN else HEARD_RIGHTLY if heard == state[0] else 1 - HEARD_RIGHTLY
 
 
-PROBLEM = Pomdp(
+PROBLEM = fp.Pomdp(
     actions=("open left", "open right", "listen"),
     outcomes=SIDES,
     observations=SIDES,
     discount=0.95,
     arrays=None,
-    dynamics=Dynamics(chances_of_outcomes, advance, chance_of_observation),
+    dynamics=fp.Dynamics(chances_of_outcomes, advance, chance_of_observation),
 )
-NO_IDEA = ExactBelief(PROBLEM, states=np.array([[0.0], [1.0]]), weights=np.array([0.5, 0.5]))
-SEARCH = PomcpSettings(kind="pomcp", backup="mean", exploration_constant=100, descents=2000)
+NO_IDEA = fp.ExactBelief(PROBLEM, states=np.array([[0.0], [1.0]]), weights=np.array([0.5, 0.5]))
+SEARCH = fp.policy({"kind": "pomcp", "backup": "mean", "exploration_constant": 100, "descents": 2000})
 
 
-def play(settings: PolicySettings, cycles: int, rng: np.random.Generator) -> tuple[float, list[str]]:
+def play(settings: fp.PolicySettings, cycles: int, rng: np.random.Generator) -> tuple[float, list[str]]:
     """One game: its discounted return, and what was done and heard."""
     policy, belief, state = settings.build(), NO_IDEA, np.array([float(rng.integers(2))])
     total, told = 0.0, []

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment as Experiment
     from fatigue_planner.motion.tasks.task import PreferenceTask as PreferenceTask
     from fatigue_planner.motion.tasks.task import Task as Task
+    from fatigue_planner.output.reports.results.report import report_section as report_section
     from fatigue_planner.planners.policy import Decision as Decision
     from fatigue_planner.planners.policy import Policy as Policy
     from fatigue_planner.planners.policy import PolicySettings as PolicySettings
@@ -48,6 +49,7 @@ _WHERE = {
     "core.plugins": ("load_plugin", "register"),
     "experiment.schema": ("Experiment",),
     "motion.tasks.task": ("PreferenceTask", "Task"),
+    "output.reports.results.report": ("report_section",),
     "planners.policy": ("Decision", "Policy", "PolicySettings"),
     "pomdp.beliefs.belief": ("Belief",),
     "pomdp.beliefs.exact": ("ExactBelief",),

@@ -1,0 +1,1 @@
+"""The command `fatplan`: a file per subcommand; results go to stdout, all else to stderr."""

@@ -14,7 +14,7 @@ EXPERIMENT = """\
 #   fatplan simulate {file}     how a worker reacts to every action
 #   fatplan view {file}         watch it
 #   fatplan benchmark {file}    which policy keeps fatigue low?
-# All keys are explained in the documentation, on the page "Your own workstation".
+# All keys are explained in the documentation, on the page "Keys of an experiment file".
 name: {name}
 
 workers:

@@ -117,7 +117,7 @@ class LostClusterError(FatplanError):
 
 
 class PluginError(FatplanError):
-    """A plug-in cannot be loaded, or registers something that cannot be registered."""
+    """A plug-in cannot be loaded, registers what cannot be registered, or its section of the report fails."""
 
 
 class ProblemError(FatplanError):

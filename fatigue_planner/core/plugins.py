@@ -3,14 +3,15 @@
 An extension point is a `Registry`: kinds of settings by the name that an experiment file gives in `kind`. A plug-in is
 a Python module that adds kinds with `register` when it is loaded. It is found through the entry points (group
 `fatigue_planner.plugins`) of installed packages, or is a file that the user names (`--plugin`, `load_plugin`). An
-experiment file can name a kind, never a plug-in: to open somebody's file runs nobody's code.
+experiment file can name a kind, never a plug-in: to open somebody's file runs nobody's code. Sections of the report
+have a registry of their own (`output.reports.results.report`), as no experiment file names them.
 """
 
 import hashlib
 import importlib.util
 import inspect
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -50,10 +51,12 @@ class Registry(Generic[K]):
         field = kind.model_fields.get("kind")
         names = get_args(field.annotation) if field else ()
         if len(names) != 1 or not isinstance(names[0], str):
-            raise PluginError(f'{_origin(kind)}: {kind.__name__} needs a name: `kind: Literal["..."]`.')
+            raise PluginError(f'{origin_of(kind)}: {kind.__name__} needs a name: `kind: Literal["..."]`.')
         known = self._kinds.get(names[0])
-        if known is not None and _origin(known) != _origin(kind):
-            raise PluginError(f"{_origin(kind)}: the {self.what} {names[0]!r} is already defined in {_origin(known)}.")
+        if known is not None and origin_of(known) != origin_of(kind):
+            raise PluginError(
+                f"{origin_of(kind)}: the {self.what} {names[0]!r} is already defined in {origin_of(known)}."
+            )
         self._kinds[names[0]] = kind
         self._adapter = None
 
@@ -105,7 +108,7 @@ def register(kind: T) -> T:
     found = next((registry for registry in _REGISTRIES if issubclass(kind, registry.base)), None)
     if found is None:
         bases = ", ".join(registry.base.__name__ for registry in _REGISTRIES)
-        raise PluginError(f"{_origin(kind)}: {kind.__name__} is derived from none of {bases}.")
+        raise PluginError(f"{origin_of(kind)}: {kind.__name__} is derived from none of {bases}.")
     found.add(kind)
     return kind
 
@@ -148,7 +151,7 @@ def run_plugin(name: str, source: bytes, path: str) -> ModuleType:
     except PluginError:
         raise
     except Exception as error:
-        raise PluginError(f"--plugin {path}: {_failure(error, path)}.") from error
+        raise PluginError(f"--plugin {path}: {failure_text(error, path)}.") from error
     return module
 
 
@@ -219,13 +222,14 @@ def _digest_of_module(top: str, kind: type) -> str:
     return digest.hexdigest()
 
 
-def _origin(kind: type) -> str:
-    known = _SOURCES.get(kind.__module__)
-    return known[1] if known else f"{kind.__module__}.{kind.__qualname__}"
+def origin_of(thing: type | Callable[..., Any]) -> str:
+    """Where a class or function of a plug-in was defined: the plug-in's file, else its name with its module."""
+    known = _SOURCES.get(thing.__module__)
+    return known[1] if known else f"{thing.__module__}.{thing.__qualname__}"
 
 
-def _failure(error: Exception, path: str) -> str:
-    """The error in words, with the line of the plug-in where it was raised."""
+def failure_text(error: Exception, path: str) -> str:
+    """An error raised by a plug-in, in words, with the line of its file where it was raised."""
     line = error.lineno if isinstance(error, SyntaxError) else None
     traceback = error.__traceback__
     while traceback is not None:

@@ -1,0 +1,1 @@
+"""How a worker moves for an action: tasks, the whole-body quadratic program (Eq. 3), simulation and verification."""

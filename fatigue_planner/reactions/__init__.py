@@ -1,0 +1,1 @@
+"""Postural reactions and their cache: keys, the HDF5 layout, verification, archives from elsewhere."""

@@ -1,0 +1,1 @@
+"""What a researcher does with experiments: benchmark, statistics, claims and sensitivity studies."""

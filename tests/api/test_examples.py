@@ -13,7 +13,9 @@ WORDS = {
     "walk_a_worker": "average_man/low/back",
     "own_task": "Most tired:",
     "own_policy": "stubborn_10",
+    "own_belief": "",
     "own_motion_task": "",
+    "own_report_section": "",
     "tiger": "Mean return of 50 games",
     "hidden_worker": "knows the truth",
 }

@@ -5,12 +5,14 @@ import doctest
 import inspect
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from conftest import PAPER, ROOT
+from forgotten_plugins import forgotten_plugins
 
 import fatigue_planner as fp
 
@@ -18,15 +20,16 @@ NAMES = [name for name in fp.__all__ if not name.startswith("__")]
 
 
 @pytest.fixture(scope="module")
-def names(cache_folder: Path) -> dict[str, Any]:
-    """What the examples start from."""
+def names(cache_folder: Path) -> Iterator[dict[str, Any]]:
+    """What the examples start from; what they register is forgotten."""
     experiment = fp.load(PAPER)
     reactions = fp.simulate(experiment, cache_folder)
     scenario = fp.scenario(experiment, reactions, "single_novice")
-    return {
-        "fp": fp, "np": np, "examples": ROOT / "examples", "experiment": experiment, "cache": cache_folder,
-        "reactions": reactions, "scenario": scenario,
-    }  # fmt: skip
+    with forgotten_plugins():
+        yield {
+            "fp": fp, "np": np, "examples": ROOT / "examples", "experiment": experiment, "cache": cache_folder,
+            "reactions": reactions, "scenario": scenario,
+        }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)

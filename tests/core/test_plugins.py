@@ -1,11 +1,14 @@
 """Plug-ins: found in files and installed packages, part of the keys of what they made, and told when they fail."""
 
 import sys
+from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from commands import fatplan, refused
 from conftest import ROOT
+from forgotten_plugins import forgotten_plugins
 
 from fatigue_planner.core import plugins
 from fatigue_planner.core.errors import ExperimentError, PluginError
@@ -13,7 +16,6 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.plugins import load_installed_plugins, load_plugin, plugin_sources, run_plugin
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
-from fatigue_planner.planners.registry import KINDS
 
 PAPER = ROOT / "experiments/paper.yaml"
 POLICY = """
@@ -34,16 +36,10 @@ class FirstSettings(fp.PolicySettings):
 
 
 @pytest.fixture(autouse=True)
-def _forget(monkeypatch: pytest.MonkeyPatch):
+def _forget() -> Iterator[None]:
     """No plug-in outlives its test."""
-    monkeypatch.setattr(plugins, "_SOURCES", {})
-    yield
-    POLICIES._kinds.clear()
-    for kind in KINDS:
-        POLICIES.add(kind)
-    load_installed_plugins.cache_clear()
-    for name in [name for name in sys.modules if name.startswith(plugins.MODULE_PREFIX)]:
-        del sys.modules[name]
+    with forgotten_plugins():
+        yield
 
 
 def write(folder: Path, text: str, name: str = "mine") -> Path:
@@ -134,6 +130,17 @@ def test_a_broken_installed_plug_in_is_named(monkeypatch: pytest.MonkeyPatch) ->
     load_installed_plugins.cache_clear()
     with pytest.raises(PluginError, match="the plug-in 'mine' of the installed package unknown: ModuleNotFoundError"):
         policies(a={"kind": "greedy"})
+
+
+def test_a_command_loads_the_file_that_is_named(tmp_path: Path) -> None:
+    experiment = tmp_path / "mine.yaml"
+    experiment.write_text(PAPER.read_text().replace("    random: {kind: random}", "    random: {kind: first}"))
+    assert "random.kind = 'first': should be one of" in refused(2, "validate", experiment)
+    file = write(tmp_path, "raise ValueError('no')")
+    assert f"--plugin {file}: line 1: ValueError: no." in refused(2, "validate", experiment, "--plugin", file)
+    write(tmp_path, POLICY.format(kind="first"))
+    done = fatplan("validate", experiment, "--plugin", file)
+    assert done.returncode == 0 and "mine.yaml: ok" in done.stdout, done.stderr
 
 
 def kind_of(settings: PolicySettings) -> str:

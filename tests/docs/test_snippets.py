@@ -10,34 +10,42 @@ import re
 import runpy
 import shlex
 import shutil
+import tomllib
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pinocchio as pin
 import pytest
 import typer
 import yaml
 from commands import fatplan
 from conftest import PAPER, ROOT
+from forgotten_plugins import forgotten_plugins
 from markdown_it import MarkdownIt
 
+import fatigue_planner as fp
 from fatigue_planner.cli.main import app
+from fatigue_planner.core.plugins import ENTRY_POINTS, load_plugin
 from fatigue_planner.experiment.build import reaction_requests
-from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.loader import load_experiment, parse_experiment, read_content
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import build_human
 from fatigue_planner.human.strength_sets import load_strengths
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.verification import measure
+from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.claims.loader import load_claims
 
 GENERATED = {"human.md"}  # by `fatplan human report`
 PAGES = sorted({ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *ROOT.glob("docs/*.md")})
 PAGES = [page for page in PAGES if page.name not in GENERATED]
-LANGUAGES = {"python", "yaml", "console", "sh", "text"}
+LANGUAGES = {"python", "yaml", "toml", "console", "sh", "text"}
 # What commands start with besides fatplan, python and make.
 OTHER_PROGRAMS = {"pip", "dask", "openssl", "mkdir", "chmod", "cd", "cp", "python3", "jq"}
 # Commands that need a few seconds at most and change nothing outside their folder.
@@ -93,8 +101,8 @@ def test_every_snippet_says_what_it_is(page: Path) -> None:
 # --- Python ----------------------------------------------------------------------------------------------------------
 
 
-def run_python(page: Path, folder: Path) -> dict[str, Any]:
-    """Run the Python of a page as one module whose lines have the page's numbers; what it defines."""
+def run_python(page: Path, folder: Path) -> None:
+    """Run the Python of a page as one module whose lines have the page's numbers."""
     lines: list[str] = []
     for snippet in snippets(page):
         if snippet.language == "python":
@@ -103,19 +111,48 @@ def run_python(page: Path, folder: Path) -> dict[str, Any]:
                 lines += [""] * (snippet.line - 1 - len(lines)) + snippet.text.splitlines()
     module = folder / f"{page.stem}.py"
     module.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    return runpy.run_path(str(module))
+    runpy.run_path(str(module))
 
 
 @names(with_language("python"))
-def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_python_of_a_page_runs(
+    page: Path, tmp_path: Path, cache_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     shutil.copytree(ROOT / "experiments", tmp_path / "experiments")
+    shutil.copytree(cache_folder, tmp_path / "cache")
     monkeypatch.chdir(tmp_path)
-    run_python(page, tmp_path)
+    with forgotten_plugins():
+        run_python(page, tmp_path)
 
 
-def test_the_kind_of_task_shown_keeps_the_head_at_its_height(tmp_path: Path) -> None:
-    head_height = run_python(ROOT / "docs" / "plugins.md", tmp_path)["HeadHeight"]
-    task = head_height.model_validate({"kind": "head_height", "weight": 1000, "height_m": 1.4}, strict=True)
+@pytest.fixture
+def own_kinds() -> Iterator[dict[str, Any]]:
+    """What the plug-ins shown define."""
+    with forgotten_plugins():
+        found = [vars(load_plugin(ROOT / f"examples/own_{name}.py")) for name in ("policy", "belief", "motion_task")]
+        yield {name: thing for module in found for name, thing in module.items()}
+
+
+def test_the_policy_and_the_belief_shown_do_what_they_say(
+    own_kinds: dict[str, Any], paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
+    """Two of the paper's three possible states are kept, with the proportions that the exact belief gives them."""
+    content = read_content(PAPER) | {"belief": {"kind": "likeliest", "count": 2}}
+    by_name = {str(reaction.name): reaction for reaction in reactions}
+    scenario = fp.scenario(parse_experiment(content, "mine.yaml"), by_name, "multiple_novice")
+    exact = fp.scenario(paper, by_name, "multiple_novice")
+    rng = np.random.default_rng(0)
+    kept, whole = (found.initial_belief("prior", found.model, rng).update(0, 1, rng) for found in (scenario, exact))
+    assert isinstance(kept, own_kinds["LikeliestBelief"]) and len(whole.weights) == 3
+    likeliest = np.sort(whole.weights)[::-1][:2]
+    np.testing.assert_allclose(kept.weights, likeliest / likeliest.sum(), rtol=1e-12)
+    assert all((row == whole.states).all(axis=1).any() for row in kept.states)
+    run = fp.run(scenario, {"kind": "stubborn", "cycles": 2}, n_cycles=6)
+    assert run.cycles["action"].tolist() == ["high", "high", "low", "low", "high", "high"]
+
+
+def test_the_kind_of_task_shown_keeps_the_head_at_its_height(own_kinds: dict[str, Any]) -> None:
+    task = own_kinds["HeadHeight"].model_validate({"kind": "head_height", "weight": 1000, "height_m": 1.4}, strict=True)
     request = reaction_requests(load_experiment(PAPER))[0].motion
     short = Cycle(reach_s=2.0, work_s=1.0, return_s=2.0)
     motion = simulate(replace(request, cycle=short, preference=Preference.model_construct(tasks=(task,))))
@@ -123,6 +160,11 @@ def test_the_kind_of_task_shown_keeps_the_head_at_its_height(tmp_path: Path) -> 
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, motion.configuration[motion.phase("work").stop - 1])
     assert data.oMf[human.model.getFrameId("head")].translation[2] == pytest.approx(1.4, abs=0.01)
+
+
+def test_the_toml_shown_names_the_entry_points_that_are_looked_for() -> None:
+    texts = [snippet.text for page in PAGES for snippet in snippets(page) if snippet.language == "toml"]
+    assert [list(tomllib.loads(text)["project"]["entry-points"]) for text in texts] == [[ENTRY_POINTS]]
 
 
 # --- YAML ------------------------------------------------------------------------------------------------------------
@@ -143,8 +185,9 @@ def as_experiment(fragment: dict[str, Any], path: Path) -> Path:
     return path
 
 
-def understand(text: str, path: Path) -> None:
+def understand(snippet: Snippet, path: Path) -> None:
     """Load what a block shows with what reads it, which raises if it does not understand it."""
+    text = snippet.text
     content = yaml.safe_load(text)
     if "distributed" in content:  # Dask's settings
         assert content["distributed"]["comm"]["require-encryption"] is True
@@ -155,6 +198,9 @@ def understand(text: str, path: Path) -> None:
         path.write_text(text, encoding="utf-8")
         shutil.copy(PAPER, path.parent)
         load_claims(path)
+    elif snippet.file:  # a whole one
+        path.write_text(text, encoding="utf-8")
+        load_experiment(path)
     else:
         load_experiment(as_experiment(content, path))
 
@@ -163,7 +209,7 @@ def understand(text: str, path: Path) -> None:
 def test_the_yaml_of_a_page_is_understood(page: Path, tmp_path: Path) -> None:
     for snippet in snippets(page):
         if snippet.language == "yaml":
-            understand(snippet.text, tmp_path / f"line_{snippet.line}.yaml")
+            understand(snippet, tmp_path / f"line_{snippet.line}.yaml")
 
 
 def test_the_actions_shown_can_be_performed(tmp_path: Path) -> None:
@@ -219,11 +265,18 @@ def targets() -> set[str]:
 
 
 @names(with_language("console", "sh"))
-def test_the_commands_of_a_page_are_understood(page: Path, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "experiments", tmp_path / "experiments")
+def test_the_commands_of_a_page_are_understood(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for folder in ("experiments", "examples"):
+        shutil.copytree(ROOT / folder, tmp_path / folder)
+    monkeypatch.chdir(tmp_path)
+    with forgotten_plugins():
+        check_commands(page, tmp_path)
+
+
+def check_commands(page: Path, tmp_path: Path) -> None:
     for snippet in snippets(page):
         if snippet.file:
-            as_experiment(yaml.safe_load(snippet.text), tmp_path / snippet.file)
+            (tmp_path / snippet.file).write_text(snippet.text, encoding="utf-8")
         if snippet.language not in {"console", "sh"}:
             continue
         for program, *words in commands_of(snippet):
@@ -246,14 +299,14 @@ def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
     ran = []
     for snippet in snippets(ROOT / "docs" / "tutorial.md"):
         if snippet.file:
-            as_experiment(yaml.safe_load(snippet.text), tmp_path / snippet.file)
+            (tmp_path / snippet.file).write_text(snippet.text, encoding="utf-8")
         if snippet.language == "console" and not snippet.not_run:
             for program, *words in commands_of(snippet):
                 if program == "fatplan":
                     done = fatplan(*words, cwd=tmp_path)
                     assert done.returncode == 0, done.stderr
                     ran.append(words[0])
-    assert {"doctor", "simulate", "view", "benchmark", "validate"} <= set(ran)
+    assert {"doctor", "init", "simulate", "view", "benchmark", "validate", "report"} <= set(ran)
     assert (tmp_path / "motions.html").stat().st_size > 100_000 and (tmp_path / "results").exists()
 
 
@@ -271,7 +324,7 @@ def test_the_files_and_modules_a_page_mentions_exist(page: Path) -> None:
             assert (ROOT / word).exists(), word
         elif re.fullmatch(r"test_\w+\.py", word):
             assert word in tests, word
-        elif re.fullmatch(r"fatigue_planner(\.[a-z_]+)+", word):
+        elif re.fullmatch(r"fatigue_planner(\.[a-z_]+)+", word) and word != ENTRY_POINTS:
             importlib.import_module(word)
     if page.parent == ROOT:  # the site's build checks the links of the others
         for link in re.findall(r"\]\((?!https?:)([^)#]+)", text):

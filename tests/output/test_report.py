@@ -1,16 +1,19 @@
 """The report: a page that stands alone, whose every figure has its data and its words."""
 
 import re
+from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import PAPER
+from conftest import PAPER, ROOT
+from forgotten_plugins import forgotten_plugins
 from published import COMMAND, publish
 
-from fatigue_planner.core.errors import ClaimsError
+from fatigue_planner.core.errors import ClaimsError, PluginError
+from fatigue_planner.core.plugins import load_plugin
 from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.core.text import listing, percent, percent_range, significant
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
@@ -22,7 +25,7 @@ from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
-from fatigue_planner.output.reports.results.report import SECTIONS, report
+from fatigue_planner.output.reports.results.report import SECTIONS, SectionWriter, report, report_section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.settings import origins
@@ -147,22 +150,68 @@ def test_claims_are_judged_where_their_file_lies_beside_the_experiments(
     assert "greedy beats alternating" in text and "Of 1 claim of the paper, 1 is reproduced" in text
 
 
-def test_a_section_is_a_function_and_a_line_in_the_registry(
-    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.fixture
+def own_sections(monkeypatch: pytest.MonkeyPatch) -> Iterator[dict[str, SectionWriter]]:
+    """A quick one of the report's sections; what a test adds is forgotten after it."""
+    sections = {"provenance": SECTIONS["provenance"]}
+    with forgotten_plugins():
+        monkeypatch.setattr("fatigue_planner.output.reports.results.report.SECTIONS", sections)
+        yield sections
+        monkeypatch.undo()
+
+
+def test_the_section_of_a_plug_in_ends_the_page(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, own_sections: dict[str, SectionWriter]
 ) -> None:
-    """In the registry's order; one that has nothing to say is left out."""
+    """Loaded twice it is there once; a section that has nothing to say is left out."""
+    for _ in range(2):
+        load_plugin(ROOT / "examples/own_report_section.py")
 
-    def last_costs_section(report_data: ReportData, figures: FigureFolder) -> Section:
-        return Section("The last cycle", [Text(f"{report_data.results.trials['final_cost'].mean():.6f}")])
+    @report_section
+    def nothing(report_data: ReportData, figures: FigureFolder) -> Section | None:
+        return None
 
-    for name in list(SECTIONS):
-        if name != "provenance":
-            monkeypatch.delitem(SECTIONS, name)
-    monkeypatch.setitem(SECTIONS, "last_costs", last_costs_section)
-    monkeypatch.setitem(SECTIONS, "nothing", lambda report_data, figures: None)
-    text = report(report_data(small, reactions, folder), FigureFolder(folder))
+    assert list(own_sections) == ["provenance", "last_cycle", "nothing"]
+    figures = FigureFolder(folder)
+    text = report(report_data(small, reactions, folder), figures)
     assert re.findall(r"<h2>(.*?)</h2>", text) == ["1. Provenance", "2. The last cycle"]
-    assert f"{pd.read_csv(folder / 'trials.csv')['final_cost'].mean():.6f}" in text
+    costs = pd.read_csv(folder / "trials.csv").query("policy == 'greedy' and condition == 'multiple_novice'")
+    assert f"{costs['final_cost'].mean():.6f}" in text
+    assert {"last_cycle.png", "last_cycle.svg", "last_cycle.csv"} <= {path.name for path in figures.files}
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("return 1 / 0", r"'broken' of .*mine.py: line 4: ZeroDivisionError: division by zero"),
+        ("return 'text'", r"'broken' of .*mine.py: returned str, not a Section"),
+    ],
+)
+def test_a_section_that_fails_is_named(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path, own_sections: dict[str, SectionWriter],
+    tmp_path: Path, body: str, words: str,
+) -> None:  # fmt: skip
+    file = tmp_path / "mine.py"
+    file.write_text(
+        f"import fatigue_planner as fp\n@fp.report_section\ndef broken(report_data, figures):\n    {body}\n"
+    )
+    load_plugin(file)
+    with pytest.raises(PluginError, match=words):
+        report(report_data(small, reactions, folder), FigureFolder(folder))
+
+
+def test_a_section_does_not_take_anothers_name(own_sections: dict[str, SectionWriter], tmp_path: Path) -> None:
+    text = "import fatigue_planner as fp\n@fp.report_section\ndef {}(report_data, figures): pass\n"
+    for number, name in enumerate(("provenance", "mine")):
+        file = tmp_path / f"first_{number}.py"
+        file.write_text(text.format(name))
+        if name == "mine":
+            load_plugin(file)
+            file = tmp_path / "second.py"
+            file.write_text(text.format(name))
+        with pytest.raises(PluginError, match=rf"{file.name}: the report section '{name}' is already defined in "):
+            load_plugin(file)
+    assert list(own_sections) == ["provenance", "mine"]
 
 
 def test_claims_about_another_experiment_are_refused(

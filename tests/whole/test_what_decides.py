@@ -288,10 +288,14 @@ def test_a_file_is_in_the_key_if_what_makes_the_numbers_can_reach_it(kind: str) 
 
 
 def test_a_room_says_what_it_is_and_no_more() -> None:
-    """So that no key needs to know of `__init__.py`; the package's own has the public names and the version."""
+    """So that no key needs to know of `__init__.py`; the package's own has the public names and the version.
+
+    Matplotlib has to be imported before any figure, whatever it finds around it; figures decide no number.
+    """
     for path in PACKAGE.rglob("*/__init__.py"):
-        if path.parent != PACKAGE:
-            assert [type(node) for node in ast.parse(path.read_text()).body] in ([], [ast.Expr]), path
+        if path.parent not in (PACKAGE, PACKAGE / "output"):
+            assert [type(node) for node in ast.parse(path.read_text()).body] == [ast.Expr], path
+            assert 1 <= len(path.read_text().splitlines()) <= 3, path
 
 
 def test_nothing_is_excused_that_needs_no_excuse() -> None:

@@ -1,0 +1,1 @@
+"""The kinds of tasks that make up a motion preference, a file each."""

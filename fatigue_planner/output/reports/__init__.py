@@ -1,0 +1,1 @@
+"""The pages that people read: results of an experiment, a sensitivity study, the digital human."""

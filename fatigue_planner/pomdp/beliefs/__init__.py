@@ -1,0 +1,1 @@
+"""What is known of the state: the kinds of beliefs, a file each."""

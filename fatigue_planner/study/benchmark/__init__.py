@@ -1,0 +1,1 @@
+"""The grid of conditions, lengths and policies: its trials, their tables, regret and bounds."""

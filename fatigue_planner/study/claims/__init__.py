@@ -1,0 +1,1 @@
+"""A paper's statements, judged by the runs of a benchmark."""

@@ -1,0 +1,1 @@
+"""How policies are compared: paired tests, intervals, effect sizes, equivalence, Holm's correction."""

@@ -1,0 +1,1 @@
+"""What every page is made of: sections of blocks, and the template that shows them."""
