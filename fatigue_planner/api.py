@@ -13,7 +13,6 @@ from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
-from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import SelectionError, listed
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
@@ -24,14 +23,12 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
-from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.trial import cycle_of
-
-_ANY_POLICY: TypeAdapter[PolicySettings] = TypeAdapter(AnyPolicy)
 
 
 class Actor(Protocol):
@@ -153,26 +150,6 @@ def scenario(experiment: Experiment, reactions: Mapping[str, Reaction], conditio
         raise SelectionError(f"condition {name!r}: not in the experiment; available: {listed(conditions)}.")
     profiles = cycle_profiles(experiment, reactions.values())
     return replace(build_scenario(experiment, profiles, conditions[name]), name=name)
-
-
-def policy(settings: str | Mapping[str, Any] | PolicySettings) -> PolicySettings:
-    """The settings of a policy from what an experiment file would say of it: its kind, or a mapping.
-
-    Raises SelectionError with what is wrong.
-
-    >>> fp.policy("greedy")
-    GreedySettings(kind='greedy', knows='prior')
-    >>> fp.policy({"kind": "pomcp", "backup": "max", "exploration_constant": 0.1, "descents": 500}).descents
-    500
-    """
-    if isinstance(settings, PolicySettings):
-        return settings
-    content = {"kind": settings} if isinstance(settings, str) else dict(settings)
-    try:
-        return _ANY_POLICY.validate_python(content, strict=True)
-    except ValidationError as error:
-        faults = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors(include_url=False))
-        raise SelectionError(f"policy {content}: {faults}.") from error
 
 
 def decide(belief: Belief | Scenario, policy: "PolicyLike", rng: np.random.Generator | None = None) -> NamedDecision:
