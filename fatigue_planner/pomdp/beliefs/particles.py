@@ -1,8 +1,7 @@
 """The particle filter, for beliefs that no finite set can represent.
 
-Particle deprivation, the loss of distinct particles to resampling, is kept low in two ways: particles are resampled
-only when few of them carry the weight, and a belief in a hidden worker moves them afterwards (resample-move, see
-`hidden_worker`).
+Resampling leads to particle deprivation, the loss of distinct particles. So particles are resampled only when few of
+them carry the weight, and a belief in a hidden worker moves them afterwards (resample-move, see `hidden_worker`).
 """
 
 from dataclasses import dataclass, field, replace
