@@ -468,7 +468,7 @@ BAD_STUDIES = [
     (
         "planners: [pomcp_0.1]",
         "planners: [pomcp_0.1, pomcp_0.1]",
-        "pomcp_0.1, pomcp_0.1: a name is given twice",
+        "planners: pomcp_0.1, pomcp_0.1: a name is given",
     ),
     ("trials: 20", "trials: 20, policies: [nobody]", "grid.policies: nobody; known are "),
     (
