@@ -9,7 +9,7 @@ PLANNER = {"kind": "lookahead", "depth": 2}
 
 
 def compare(scenario: fp.Scenario, n_cycles: int, trials: int) -> dict[str, float]:
-    """The mean return of three planners that are alike but for what they know of the worker."""
+    """The mean returns of three planners that differ only in what they know about the worker."""
     knowledge = ("average", "prior", "truth")
     table = fp.run_trials(scenario, {knows: PLANNER | {"knows": knows} for knows in knowledge}, n_cycles, trials)
     return table.groupby("policy")["discounted_return"].mean().to_dict()

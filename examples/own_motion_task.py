@@ -1,4 +1,4 @@
-"""A motion task of your own: keep the head at a height.
+"""Your own motion task: keep the head at a given height.
 
 As a plug-in (`fatplan simulate mine.yaml --plugin examples/own_motion_task.py`) a preference of an experiment file can
 name it: `{kind: head_height, weight: 10, height_m: 1.4, during: [work]}`.

@@ -1,4 +1,4 @@
-"""A policy of your own: stay with an action for some cycles.
+"""Your own policy: keep each action for some cycles.
 
     python examples/own_policy.py
 
@@ -15,7 +15,7 @@ import fatigue_planner as fp
 
 
 class StubbornPolicy(fp.Policy):
-    """Stay with an action for some cycles, then take the next."""
+    """Keep an action for some cycles, then take the next one."""
 
     def __init__(self, cycles: int) -> None:
         self._cycles, self._count = cycles, 0
@@ -25,7 +25,7 @@ class StubbornPolicy(fp.Policy):
         actions = len(belief.model.actions)
         action = self._count // self._cycles % actions
         self._count += 1
-        return fp.Decision(action, np.full(actions, np.nan), np.zeros(actions, int), 0, 0.0, "stays with it")
+        return fp.Decision(action, np.full(actions, np.nan), np.zeros(actions, int), 0, 0.0, "keeps the action")
 
 
 @fp.register
@@ -33,7 +33,7 @@ class StubbornSettings(fp.PolicySettings):
     """The same action for some cycles."""
 
     kind: Literal["stubborn"]
-    cycles: int = Field(ge=1, description="How many cycles in a row have the same action.")
+    cycles: int = Field(ge=1, description="Number of successive cycles with the same action.")
 
     def build(self) -> fp.Policy:
         """See PolicySettings.build."""

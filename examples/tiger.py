@@ -1,9 +1,9 @@
-"""The tiger problem (Kaelbling, Littman & Cassandra 1998), solved by the same search as the robot's.
+"""The tiger problem (Kaelbling, Littman & Cassandra 1998), solved by the search that plans for the robot.
 
     python examples/tiger.py
 
-A tiger is behind one of two doors, gold behind the other one. Whoever listens hears the tiger on its side
-85 times out of 100. Once a door was opened, tiger and gold are hidden anew.
+A tiger is behind one of two doors, gold behind the other. Whoever listens hears the tiger on its side 85 times out
+of 100. Once a door has been opened, tiger and gold are hidden again.
 """
 
 import numpy as np
@@ -51,15 +51,15 @@ SEARCH = fp.policy({"kind": "pomcp", "backup": "mean", "exploration_constant": 1
 def play(settings: fp.PolicySettings, cycles: int, rng: np.random.Generator) -> tuple[float, list[str]]:
     """One game: its discounted return, and what was done and heard."""
     policy, belief, state = settings.build(), NO_IDEA, np.array([float(rng.integers(2))])
-    total, told = 0.0, []
+    total, log = 0.0, []
     for cycle in range(cycles):
         action = policy.act(belief, rng).action
         state, heard, reward = PROBLEM.sample_step(state, action, rng)
         policy.observe(action, heard)
         belief = belief.update(action, heard, rng)
         total += PROBLEM.discount**cycle * reward
-        told.append(f"{PROBLEM.actions[action]} ({SIDES[heard] if action == LISTEN else f'{reward:+g}'})")
-    return total, told
+        log.append(f"{PROBLEM.actions[action]} ({SIDES[heard] if action == LISTEN else f'{reward:+g}'})")
+    return total, log
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from fatigue_planner.api import Run as Run
     from fatigue_planner.api import decide as decide
     from fatigue_planner.api import load as load
-    from fatigue_planner.api import policy as policy
     from fatigue_planner.api import run as run
     from fatigue_planner.api import run_trials as run_trials
     from fatigue_planner.api import scenario as scenario
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from fatigue_planner.planners.policy import Decision as Decision
     from fatigue_planner.planners.policy import Policy as Policy
     from fatigue_planner.planners.policy import PolicySettings as PolicySettings
+    from fatigue_planner.planners.registry import policy as policy
     from fatigue_planner.pomdp.beliefs.belief import Belief as Belief
     from fatigue_planner.pomdp.beliefs.exact import ExactBelief as ExactBelief
     from fatigue_planner.pomdp.beliefs.particles import ParticleBelief as ParticleBelief
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 # Every public name and where it is. They are loaded when they are first asked for: `fatplan --help` needs none of them.
 _WHERE = {
-    "api": ("Actor", "NamedDecision", "Run", "decide", "load", "policy", "run", "run_trials", "scenario", "simulate"),
+    "api": ("Actor", "NamedDecision", "Run", "decide", "load", "run", "run_trials", "scenario", "simulate"),
     "core.errors": ("FatplanError",),
     "core.jit": ("compiled",),
     "core.plugins": ("load_plugin", "register"),
@@ -51,6 +51,7 @@ _WHERE = {
     "motion.tasks.task": ("PreferenceTask", "Task"),
     "output.reports.results.report": ("report_section",),
     "planners.policy": ("Decision", "Policy", "PolicySettings"),
+    "planners.registry": ("policy",),
     "pomdp.beliefs.belief": ("Belief",),
     "pomdp.beliefs.exact": ("ExactBelief",),
     "pomdp.beliefs.particles": ("ParticleBelief",),

@@ -1,7 +1,7 @@
-"""What a script or a notebook does with fatplan: load, simulate, run; names instead of indices.
+"""The functions for scripts and notebooks: load, simulate, run; with names instead of indices.
 
-`import fatigue_planner as fp` offers these functions and the classes they work with. What the command line does goes
-through the same code below, so equal settings and seeds give equal numbers.
+`import fatigue_planner as fp` offers these functions and the classes they work with. The command line runs the same
+code, so equal settings and seeds give equal numbers.
 """
 
 import copy
@@ -13,7 +13,6 @@ from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
-from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import SelectionError, listed
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
@@ -24,18 +23,16 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import ENTRIES
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
-from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.trial import cycle_of
 
-_ANY_POLICY: TypeAdapter[PolicySettings] = TypeAdapter(AnyPolicy)
-
 
 class Actor(Protocol):
-    """A policy of one's own: any object with this method (`Policy` is one).
+    """Your own policy: any object with this method, such as a `Policy`.
 
     >>> class Low:
     ...     def act(self, belief, rng):
@@ -50,7 +47,7 @@ class Actor(Protocol):
 
 @dataclass(frozen=True)
 class NamedDecision:
-    """A decision in names.
+    """A decision, with names instead of indices.
 
     action: the action chosen. values, visits: by action, its estimated return (NaN where unknown) and how often a
     search tried it. depth: cycles looked ahead. duration_s: wall-clock seconds. reason: why, in words.
@@ -76,8 +73,8 @@ class Run:
         and planning_time_s.
     fatigue: (n_cycles, 78) after every cycle, by entry: a degree of freedom and a direction (`elbow_flexion:positive`).
 
-    >>> found = fp.run(scenario, "alternating", n_cycles=4)
-    >>> found.cycles["action"].tolist()
+    >>> run = fp.run(scenario, "alternating", n_cycles=4)
+    >>> run.cycles["action"].tolist()
     ['high', 'low', 'high', 'low']
     """
 
@@ -96,7 +93,7 @@ class Reactions(Mapping[str, Reaction]):
         self._reactions, self.failures = dict(reactions), dict(failures)
 
     def __getitem__(self, name: str) -> Reaction:
-        """The reaction of a name. Raises KeyError, with the reason if its motion failed."""
+        """The reaction with this name. Raises KeyError, with the reason if its motion failed."""
         if name in self.failures:
             raise KeyError(f"{name}: {self.failures[name]}")
         return self._reactions[name]
@@ -111,7 +108,7 @@ class Reactions(Mapping[str, Reaction]):
 def load(experiment: str | Path) -> Experiment:
     """The experiment of a file, or one that ships with fatplan by its name (`"paper"`), checked completely.
 
-    Raises ExperimentError with every fault of the file.
+    Raises ExperimentError with every error in the file.
 
     >>> experiment = fp.load("paper")
     >>> list(experiment.actions)
@@ -121,9 +118,9 @@ def load(experiment: str | Path) -> Experiment:
 
 
 def simulate(experiment: Experiment, cache: str | Path = "cache", jobs: int | None = None) -> Reactions:
-    """Every worker with every action and every motion preference, from the cache folder or simulated into it.
+    """Every worker with every action and every motion preference, from the cache folder, or simulated and stored there.
 
-    jobs: processes to use, by default one per core; the result does not depend on it. What fails is told in
+    jobs: processes to use, by default one per core; the result does not depend on it. Motions that fail are in
     `failures`. Raises OutputFolderError if the folder cannot be written.
 
     >>> reactions = fp.simulate(experiment, cache)
@@ -155,26 +152,6 @@ def scenario(experiment: Experiment, reactions: Mapping[str, Reaction], conditio
     return replace(build_scenario(experiment, profiles, conditions[name]), name=name)
 
 
-def policy(settings: str | Mapping[str, Any] | PolicySettings) -> PolicySettings:
-    """The settings of a policy from what an experiment file would say of it: its kind, or a mapping.
-
-    Raises SelectionError with what is wrong.
-
-    >>> fp.policy("greedy")
-    GreedySettings(kind='greedy', knows='prior')
-    >>> fp.policy({"kind": "pomcp", "backup": "max", "exploration_constant": 0.1, "descents": 500}).descents
-    500
-    """
-    if isinstance(settings, PolicySettings):
-        return settings
-    content = {"kind": settings} if isinstance(settings, str) else dict(settings)
-    try:
-        return _ANY_POLICY.validate_python(content, strict=True)
-    except ValidationError as error:
-        faults = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors(include_url=False))
-        raise SelectionError(f"policy {content}: {faults}.") from error
-
-
 def decide(belief: Belief | Scenario, policy: "PolicyLike", rng: np.random.Generator | None = None) -> NamedDecision:
     """One decision, from a belief or at the start of a scenario.
 
@@ -192,23 +169,23 @@ def decide(belief: Belief | Scenario, policy: "PolicyLike", rng: np.random.Gener
 def run(scenario: Scenario, policy: "PolicyLike", n_cycles: int = 100, seed: int = 0, trial: int = 0) -> Run:
     """Run the task for a number of cycles with a policy: settings, a kind, or an object of your own (see `Actor`).
 
-    Runs of one seed and trial meet the same worker by common random numbers, whatever the policy.
+    Runs of the same seed and trial meet the same worker, whatever the policy: they have common random numbers.
 
-    >>> one = fp.run(scenario, "greedy", n_cycles=5)
-    >>> len(one.cycles), one.discounted_return < 0
+    >>> run = fp.run(scenario, "greedy", n_cycles=5)
+    >>> len(run.cycles), run.discounted_return < 0
     (5, True)
     """
-    numbers = draw_random_numbers(seed, scenario.name, n_cycles, trial)
+    random_numbers = draw_random_numbers(seed, scenario.name, n_cycles, trial)
     rng = random_stream(seed, "planner", scenario.name, n_cycles, trial, _label(policy))
-    actor, model = _actor(policy), scenario.worker(numbers.worker)
-    state, belief = scenario.start(numbers.start), scenario.initial_belief(_knows(policy), model, rng)
+    actor, model = _actor(policy), scenario.worker(random_numbers.worker)
+    state, belief = scenario.start(random_numbers.start), scenario.initial_belief(_knows(policy), model, rng)
     total, discount, rows = 0.0, 1.0, []
     fatigue = np.zeros((n_cycles, model.entries))
     for cycle in range(n_cycles):
         begin = time.perf_counter()
         action = actor.act(belief, rng).action
         planning_time_s = time.perf_counter() - begin
-        state, preference, reward, observation = cycle_of(model, state, action, numbers, cycle)
+        state, preference, reward, observation = cycle_of(model, state, action, random_numbers, cycle)
         total += discount * reward
         discount *= model.discount
         fatigue[cycle, model.active_entries] = state[: model.active_entries.size]
@@ -226,8 +203,8 @@ def run_trials(
 ) -> pd.DataFrame:
     """Many runs of several policies, paired by common random numbers: a row per policy and trial.
 
-    The columns are policy, trial, discounted_return, final_cost and peak_cost. Policies of the names, settings and seed
-    of a benchmark have the returns of its trials.csv.
+    The columns are policy, trial, discounted_return, final_cost and peak_cost. With the names, settings and seed of a
+    benchmark, policies have the returns in its trials.csv.
 
     >>> table = fp.run_trials(scenario, {"greedy": "greedy", "random": "random"}, n_cycles=5, trials=3)
     >>> table.groupby("policy")["discounted_return"].mean().idxmax()
@@ -236,9 +213,9 @@ def run_trials(
     rows = []
     for name, chosen in policies.items():
         for trial in range(trials):
-            found = run(scenario, _Named(name, chosen), n_cycles, seed, trial)
-            cost = found.cycles["cost"]
-            rows.append((name, trial, found.discounted_return, cost.iloc[-1], cost.max()))
+            result = run(scenario, _Named(name, chosen), n_cycles, seed, trial)
+            cost = result.cycles["cost"]
+            rows.append((name, trial, result.discounted_return, cost.iloc[-1], cost.max()))
     return pd.DataFrame(rows, columns=["policy", "trial", "discounted_return", "final_cost", "peak_cost"])
 
 
@@ -254,13 +231,13 @@ PolicyLike = str | Mapping[str, Any] | PolicySettings | Actor | _Named
 
 
 class _ActorPolicy(Policy):
-    """An object of the user's as a policy; every run gets a copy, so that no run knows of another."""
+    """A user's object as a policy; every run gets a copy, so that runs do not affect each other."""
 
     def __init__(self, actor: Actor) -> None:
         self._actor = copy.deepcopy(actor)
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
-        """See Policy.act. Raises SelectionError if what is chosen is not an action."""
+        """See Policy.act. Raises SelectionError if the choice is not an action."""
         begin = time.perf_counter()
         chosen = self._actor.act(belief, rng)
         if isinstance(chosen, Decision):

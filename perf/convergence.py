@@ -1,9 +1,9 @@
-"""What the time step does to the reactions: the cycle maps at halved steps, and what each step costs.
+"""The effect of the time step on the reactions: the cycle maps at halved steps, and what each step costs.
 
     python perf/convergence.py
 
 For each of the paper's reactions the gains and offsets of all 78 entries, from 20 ms down. A change is
-the largest of an entry when the step is halved, as a share of the largest entry (gain or offset); the
+the largest of any entry when the step is halved, as a fraction of the largest entry (gain or offset); the
 observed order is log2 of two successive energy errors, and of two successive root mean squares of the
 changes. Those are noisy: a load that crosses the threshold of fatigue, or a joint that arrives at the end
 of its range, does so at a whole tick.
@@ -54,7 +54,7 @@ def main() -> None:
                     float(np.abs(now - then).max() / now.max())
                     for now, then in ((cycle.gain, before.gain), (cycle.offset, before.offset))
                 ]
-                cells[:2] = [f"{100 * part:.3f} %" for part in change]
+                cells[:2] = [f"{100 * fraction:.3f} %" for fraction in change]
                 both = np.concatenate([cycle.gain - before.gain, cycle.offset - before.offset])
                 rms = float(np.sqrt(np.mean(both**2)))
                 if change_before is not None:

@@ -1,4 +1,4 @@
-"""Environments of their own for the programs we are compared with, made when first needed."""
+"""Separate environments for the programs that fatplan is compared with, made when first needed."""
 
 import os
 import subprocess
@@ -7,11 +7,11 @@ from pathlib import Path
 
 
 class PeerMissingError(Exception):
-    """A program's environment cannot be made or does not work here."""
+    """A program's environment cannot be made or does not work."""
 
 
 def environment_of(name: str, module: str, requirements: Path) -> Path:
-    """The Python of a program's environment. Raises PeerMissingError, saying why, if there can be none."""
+    """The Python of a program's environment. Raises PeerMissingError, with the reason, if there is none."""
     folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan" / f"{name}-env"
     python, made_from = folder / "bin" / "python", folder / requirements.name
     wanted = requirements.read_text()

@@ -1,7 +1,7 @@
-"""What the stiffnesses that the paper leaves open do to the four reactions (docs/deviations.md, 4).
+"""The effect of the stiffnesses that the paper leaves open on the four reactions (docs/deviations.md, 4).
 
 For each set of stiffnesses (1/s^2): how far the hand stays from its target during work, how far back
-and upper arm lean from the vertical at mid-work, the two torques the preferences are about, and how
+and upper arm lean from the vertical at mid-work, the two torques that the preferences are about, and how
 far the last posture is from the first.
 
     python perf/gains.py

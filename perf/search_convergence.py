@@ -3,8 +3,8 @@
     python perf/search_convergence.py
 
 Without leaf values a search's horizon grows with its tree, an exact lookahead's is fixed. To compare like
-with like both problems here end: after the last cycle no reward is given. So the lookahead to that depth
-is exact, and the search converges to it.
+with like, both problems here end: there is no reward after the last cycle. So the lookahead to that depth is
+exact, and the search converges to it.
 """
 
 import math
@@ -68,13 +68,13 @@ def single_novice() -> ExactBelief:
     paper = load_experiment(ROOT / "experiments" / "paper.yaml")
     ReactionCache(ROOT / "cache").complete(reaction_requests(paper), LocalProcesses(available_cores()), lambda _: None)
     profiles = load_cycle_profiles(paper, ROOT / "cache", "fatplan simulate")
-    one = scenario(paper, profiles, paper.benchmark.conditions["single_novice"])
-    model = replace(one.model, arrays=Ending(one.model.arrays, CYCLES), dynamics=ENDING)
-    return ExactBelief(model, np.pad(one.states, [(0, 0), (0, 1)]), one.weights)
+    task = scenario(paper, profiles, paper.benchmark.conditions["single_novice"])
+    model = replace(task.model, arrays=Ending(task.model.arrays, CYCLES), dynamics=ENDING)
+    return ExactBelief(model, np.pad(task.states, [(0, 0), (0, 1)]), task.weights)
 
 
 def errors(belief: ExactBelief, exact: float, backup: str, c: float, descents: int) -> np.ndarray:
-    """Of the best value at the root, in some searches."""
+    """The errors of the best value at the root in SEARCHES searches."""
     settings = PomcpSettings(kind="pomcp", backup=backup, exploration_constant=c, descents=descents)
     seeds = (np.random.default_rng(seed) for seed in range(SEARCHES))
     return np.array([PomcpPolicy(settings).act(belief, rng).values.max() - exact for rng in seeds])
@@ -86,8 +86,8 @@ def draw(axes: Axes, belief: ExactBelief, c: float) -> None:
     exact, gap = float(values[-1]), float(values[-1] - values[-2])
     for look, backup in enumerate(BACKUPS):
         found = [errors(belief, exact, backup, c, descents) for descents in DESCENTS]
-        rms = [math.sqrt(np.mean(one**2)) / abs(exact) for one in found]
-        print(f"c = {c:g}, {backup}:", "  ".join(f"{100 * share:.3f} %" for share in rms))
+        rms = [math.sqrt(np.mean(error**2)) / abs(exact) for error in found]
+        print(f"c = {c:g}, {backup}:", "  ".join(f"{100 * error:.3f} %" for error in rms))
         axes.loglog(DESCENTS, rms, color=COLOURS[look], marker=MARKERS[look], markersize=4, label=backup)
     axes.axhline(gap / abs(exact), color="0.5", linewidth=0.8, linestyle="--")
     axes.text(DESCENTS[0], 1.15 * gap / abs(exact), "actions differ by", fontsize=7, color="0.4")
@@ -103,7 +103,7 @@ def main() -> None:
     for axes, c in zip(panels, CONSTANTS, strict=True):
         draw(axes, belief, c)
     panels[0].set_ylabel(
-        f"error of the value of {CYCLES} cycles\n(root mean square of {SEARCHES} searches, as a share)"
+        f"error of the value of {CYCLES} cycles\n(root mean square of {SEARCHES} searches, as a fraction)"
     )
     panels[0].set_ylim(1e-5, 1)  # the exact backup ends at the rounding error, far below
     panels[-1].legend(title="backup", frameon=False, loc="lower left")

@@ -2,8 +2,8 @@
 
     python perf/speed.py
 
-CPU time and medians where one process works; wall time where several do. Everything counts but imports
-and compilation (one warming run).
+CPU time and medians where one process works; wall time where several do. Everything counts except imports
+and compilation (one warm-up run).
 """
 
 import os
@@ -48,20 +48,19 @@ def interleaved(tasks: dict[str, Callable[[], object]], rounds: int = ROUNDS) ->
 
 
 def tick(paper: Experiment) -> None:
-    """A whole tick of the simulation against the bare solution of its quadratic program by the same solver.
+    """A whole tick of the simulation against the mere solution of its quadratic program by the same solver.
 
-    The program of a tick is the whole one, with the limits of torques and contact forces; it is taken from
-    every tenth tick of a motion and solved, nothing else. The program that is solved first, without these
-    limits, is timed beside it.
+    The program is the whole one, with the limits of torques and contact forces, from every tenth tick of a motion;
+    only its solution is timed. The program that is solved first, without these limits, is timed as well.
     """
     for request in reaction_requests(paper):
         simulator = Simulator(request.motion)
         wholes, frees = [], []
-        for moment in range(simulator.ticks):
-            simulator.prepare(moment)
+        for index in range(simulator.ticks):
+            simulator.prepare(index)
             step = simulator.body.controller.step()
             assert step is not None
-            if moment % 10 == 0:
+            if index % 10 == 0:
                 controller = simulator.body.controller
                 controller.fill_whole_program()
                 for kept, program in ((wholes, controller.program), (frees, controller.free)):
@@ -112,7 +111,7 @@ def library(grid: Experiment) -> None:
             f"{count} reactions, {jobs} processes: {seconds[jobs, count]:.1f} s wall, "
             f"{seconds[jobs, count] / count * 1e3:.0f} ms each; peak memory {own:.0f} MB, a worker {workers:.0f} MB"
         )
-    # the processes' start is the same whatever the number: the slope is what a reaction costs
+    # starting the processes costs the same for any number of reactions: the slope is the cost of a reaction
     marginal = (seconds[CORES, 75] - seconds[CORES, 25]) / 50
     whole = interleaved({"one": lambda: simulated(requests[0])}, 3)["one"]
     efficiency = seconds[1, 25] / (CORES * seconds[CORES, 25])
@@ -131,8 +130,8 @@ def searches(paper: Experiment) -> None:
     ReactionCache(CACHE).complete(requests, LocalProcesses(CORES), lambda _: None)
     profiles = load_cycle_profiles(paper, CACHE, "fatplan simulate")
     for condition in ("single_novice", "single_expert"):
-        one = scenario(paper, profiles, paper.benchmark.conditions[condition])
-        belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
+        task = scenario(paper, profiles, paper.benchmark.conditions[condition])
+        belief = task.initial_belief("prior", task.model, np.random.default_rng(0))
         for settings in paper.benchmark.policies.values():
             decide(belief, settings)
         tasks = {

@@ -64,8 +64,8 @@ def sensitivity(
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
     trials = _run(reacted, store, executor)
     document, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
-    lessons = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(document["lessons"], start=1))
-    present(document, f"{lessons}\n\n{document['folder']}: {names}", as_json)
+    conclusions = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(document["lessons"], start=1))
+    present(document, f"{conclusions}\n\n{document['folder']}: {names}", as_json)
 
 
 def _react(
@@ -114,15 +114,15 @@ def _publish(
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
     from fatigue_planner.output.figures.sensitivity import draw_study
     from fatigue_planner.output.reports.html.page import REPORT_FILE
-    from fatigue_planner.output.reports.study.finished import FIGURES, LESSONS_FILE, read_study
+    from fatigue_planner.output.reports.study.finished import CONCLUSIONS_FILE, FIGURES, read_study
     from fatigue_planner.output.reports.study.page import study_page
     from fatigue_planner.study.sensitivity.reactions import unique_digests
     from fatigue_planner.study.sensitivity.robustness import judge
     from fatigue_planner.study.sensitivity.tables import study_tables
 
     tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))
-    files = [folder / LESSONS_FILE]
-    publish_text(files[0], "".join(f"{sentence}\n" for sentence in tables.lessons))
+    files = [folder / CONCLUSIONS_FILE]
+    publish_text(files[0], "".join(f"{sentence}\n" for sentence in tables.conclusions))
     for name, table in tables.files().items():
         files.append(folder / f"{name}.csv")
         publish_csv(files[-1], table)
@@ -143,6 +143,6 @@ def _publish(
         "files": hashes,
         "points": len(reacted),
         "feasible": feasible,
-        "lessons": tables.lessons,
+        "lessons": tables.conclusions,
     }
     return document, names

@@ -1,6 +1,6 @@
 """Extension points, and the plug-ins that add to them.
 
-An extension point is a `Registry`: kinds of settings by the name that an experiment file gives in `kind`. A plug-in is
+An extension point is a `Registry`: kinds of settings by the name that an experiment file gives as `kind`. A plug-in is
 a Python module that adds kinds with `register` when it is loaded. It is found through the entry points (group
 `fatigue_planner.plugins`) of installed packages, or is a file that the user names (`--plugin`, `load_plugin`). An
 experiment file can name a kind, never a plug-in: to open somebody's file runs nobody's code. Sections of the report
@@ -27,7 +27,7 @@ from fatigue_planner.core.files import PACKAGE
 from fatigue_planner.core.settings import Settings
 
 ENTRY_POINTS = "fatigue_planner.plugins"
-# How the module of a plug-in file is called in Python: `fatplan_plugin_<stem of the file>`.
+# The module of a plug-in file is `fatplan_plugin_<stem of the file>`.
 MODULE_PREFIX = "fatplan_plugin_"
 
 K = TypeVar("K", bound=Settings)
@@ -35,7 +35,7 @@ T = TypeVar("T", bound=type)
 
 
 class Registry(Generic[K]):
-    """The kinds of an extension point by name.
+    """The kinds of an extension point, by name.
 
     `Annotated[Base, registry]` is a field that holds one of them: a tagged union that plug-ins can add to.
     """
@@ -47,7 +47,7 @@ class Registry(Generic[K]):
         _REGISTRIES.append(self)
 
     def add(self, kind: type[K]) -> None:
-        """Add a kind. Raises PluginError if it has no name, or that of another one."""
+        """Add a kind. Raises PluginError if it has no name or another kind has the same name."""
         field = kind.model_fields.get("kind")
         names = get_args(field.annotation) if field else ()
         if len(names) != 1 or not isinstance(names[0], str):
@@ -61,7 +61,7 @@ class Registry(Generic[K]):
         self._adapter = None
 
     def kinds(self) -> Mapping[str, type[K]]:
-        """The kinds by name, those of installed plug-ins included. Raises PluginError."""
+        """The kinds by name, including those of installed plug-ins. Raises PluginError."""
         load_installed_plugins()
         return self._kinds
 
@@ -92,9 +92,9 @@ _REGISTRIES: list[Registry[Any]] = []
 
 
 def register(kind: T) -> T:
-    """Class decorator of a plug-in: add a kind of policy, belief or motion task, by what it is derived from.
+    """Class decorator of a plug-in: add a kind of policy, belief or motion task, by its base class.
 
-    Raises PluginError if it is none of these, has no name, or that of another kind.
+    Raises PluginError if it has another base class, has no name, or another kind has the same name.
 
     >>> from typing import Literal
     >>> @fp.register
@@ -105,16 +105,16 @@ def register(kind: T) -> T:
     >>> fp.policy("first").kind
     'first'
     """
-    found = next((registry for registry in _REGISTRIES if issubclass(kind, registry.base)), None)
-    if found is None:
+    registry_of_kind = next((registry for registry in _REGISTRIES if issubclass(kind, registry.base)), None)
+    if registry_of_kind is None:
         bases = ", ".join(registry.base.__name__ for registry in _REGISTRIES)
-        raise PluginError(f"{origin_of(kind)}: {kind.__name__} is derived from none of {bases}.")
-    found.add(kind)
+        raise PluginError(f"{origin_of(kind)}: {kind.__name__} must be derived from one of {bases}.")
+    registry_of_kind.add(kind)
     return kind
 
 
 def load_plugin(file: Path | str) -> ModuleType:
-    """Load a file as plug-in: what it registers can be named in experiments. Loading it again takes its present text.
+    """Load a file as a plug-in, so that experiments can name what it registers. Loading it again uses its current text.
 
     Raises PluginError if it cannot be loaded.
 
@@ -130,7 +130,7 @@ def load_plugin(file: Path | str) -> ModuleType:
 
 
 def run_plugin(name: str, source: bytes, path: str) -> ModuleType:
-    """Load a plug-in of a name (letters, digits and _) from its source; `path` is how it is called in messages.
+    """Load a plug-in by name (letters, digits and _) from its source; messages call it `path`.
 
     Raises PluginError.
     """
@@ -156,53 +156,53 @@ def run_plugin(name: str, source: bytes, path: str) -> ModuleType:
 
 
 def loaded_files() -> Sequence[tuple[str, bytes, str]]:
-    """Name, source and path of every plug-in file that is loaded, for `run_plugin` in a worker."""
-    return [(name.removeprefix(MODULE_PREFIX), *found) for name, found in _SOURCES.items()]
+    """Name, source and path of every loaded plug-in file, for `run_plugin` in a worker process."""
+    return [(name.removeprefix(MODULE_PREFIX), *source_and_path) for name, source_and_path in _SOURCES.items()]
 
 
 def load_files(files: Iterable[tuple[str, bytes, str]]) -> None:
-    """Load plug-in files in a worker, unless it has them (see `loaded_files`). Raises PluginError."""
+    """Load plug-in files in a worker process, unless it has them (see `loaded_files`). Raises PluginError."""
     for name, source, path in files:
         if _SOURCES.get(MODULE_PREFIX + name) != (source, path):
             run_plugin(name, source, path)
 
 
-# By the module's name: source and path of the plug-in files loaded.
+# Source and path of the loaded plug-in files, by module name.
 _SOURCES: dict[str, tuple[bytes, str]] = {}
 
 
 @cache
 def load_installed_plugins() -> None:
     """Load the plug-ins of installed packages, once. Raises PluginError."""
-    for found in entry_points(group=ENTRY_POINTS):
-        _load_entry_point(found)
+    for entry_point in entry_points(group=ENTRY_POINTS):
+        _load_entry_point(entry_point)
 
 
-def _load_entry_point(found: EntryPoint) -> None:
+def _load_entry_point(entry_point: EntryPoint) -> None:
     try:
-        found.load()
+        entry_point.load()
     except PluginError:
         raise
     except Exception as error:
-        package = found.dist.name if found.dist else "unknown"
+        package = entry_point.dist.name if entry_point.dist else "unknown"
         raise PluginError(
-            f"the plug-in {found.name!r} of the installed package {package}: {type(error).__name__}: {error}. Mend or "
-            f"uninstall it."
+            f"the plug-in {entry_point.name!r} of the installed package {package}: {type(error).__name__}: {error}. "
+            f"Fix or uninstall it."
         ) from error
 
 
 def plugin_sources(*kinds: type) -> dict[str, str]:
-    """SHA-256, in hex, of the sources of what is not this package's own, by module: what a plug-in decides.
+    """SHA-256 in hex, by module, of the sources of kinds that come from plug-ins.
 
-    Of a plug-in file, the file; of an installed one, all Python files of its package; of a class that was typed into a
-    session, its text. Raises PluginError if there is no text.
+    It covers the file of a plug-in file, all Python files of an installed package, and the text of a class that was
+    defined interactively. Raises PluginError if there is no such text.
     """
-    found = {}
+    sources = {}
     for kind in kinds:
         top = kind.__module__.partition(".")[0]
         if top != PACKAGE.name:
-            found[f"plug-in {top}"] = _digest_of_module(top, kind)
-    return found
+            sources[f"plug-in {top}"] = _digest_of_module(top, kind)
+    return sources
 
 
 def _digest_of_module(top: str, kind: type) -> str:

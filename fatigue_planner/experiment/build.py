@@ -11,7 +11,7 @@ from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.motion.body import MotionRequest
-from fatigue_planner.pomdp.beliefs.registry import fitting
+from fatigue_planner.pomdp.beliefs.registry import default_belief
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.scenario import Scenario, average_worker
@@ -93,6 +93,6 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
         tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations
     )
     weights = np.array([state.probability for state in start])
-    belief = experiment.belief or fitting(model.observation_reveals_outcome, prior)
+    belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])
     return Scenario(model, states, weights / weights.sum(), prior, belief)

@@ -19,12 +19,12 @@ DIRECTIONS = ("positive", "negative")
 ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
 
 
-# In 1/s: nobody tires or recovers in a hundredth of a second.
+# In 1/s: nobody tires or recovers within a hundredth of a second.
 Rate = Annotated[float, Field(gt=0, le=100)]
 
 
 class JointFatigue(Settings):
-    """What is different at a joint from the rates and threshold of all."""
+    """The rates and threshold of a joint that differ from those of all joints."""
 
     fatigue_rate_per_s: Rate | None = Field(
         default=None, description="Fatigue rate k of the joint in 1/s; left out, that of all joints."
@@ -41,10 +41,10 @@ class JointFatigue(Settings):
 
 
 class FatigueSettings(Settings):
-    """Rates and threshold of Eq. 2, the same for every joint but those under `joints`.
+    """Rates and threshold of Eq. 2, the same for every joint except those under `joints`.
 
     A joint is named as in an initial belief: an entry, a degree of freedom, or either without its side.
-    Where two names mean the same entry, the later one holds.
+    Where two names mean the same entry, the later one counts.
     """
 
     fatigue_rate_per_s: Rate = Field(
@@ -62,7 +62,7 @@ class FatigueSettings(Settings):
     )
     joints: dict[str, JointFatigue] = Field(
         default_factory=dict,
-        description="Exceptions: what differs at a joint, by entry (lumbar_flexion:negative), degree of freedom "
+        description="Exceptions: values that differ at a joint, by entry (lumbar_flexion:negative), degree of freedom "
         "(lumbar_flexion), or either without its side.",
     )
 
@@ -86,9 +86,9 @@ def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> Fa
         "threshold": settings.threshold * ones,
     }
     for name, own in settings.joints.items():
-        places = _places(name, f"fatigue.joints.{name}")
+        indices = _indices(name, f"fatigue.joints.{name}")
         for key, value in own.model_dump(exclude_none=True).items():
-            rates[key][places] = value
+            rates[key][indices] = value
     return FatigueParameters(
         fatigue_rate=rates["fatigue_rate_per_s"],
         recovery_rate=rates["recovery_rate_per_s"],
@@ -98,23 +98,23 @@ def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> Fa
 
 
 def fatigue_state(levels: dict[str, float]) -> Vector:
-    """A fatigue state (78,) from levels by name; what is not named is 0.
+    """A fatigue state (78,) from levels by name; all other entries are 0.
 
     A name is an entry (`lumbar_flexion:negative`), a degree of freedom (both its entries), or either
     without its side (both sides). Raises DataFileError for an unknown name.
     """
     state = np.zeros(len(ENTRIES))
     for name, level in levels.items():
-        state[_places(name, "fatigue")] = level
+        state[_indices(name, "fatigue")] = level
     return state
 
 
-def _places(name: str, key: str) -> list[int]:
-    """The entries a name means. Raises DataFileError, naming the key, if there is none."""
-    places = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
-    if not places:
+def _indices(name: str, key: str) -> list[int]:
+    """The indices of the entries that a name means. Raises DataFileError, naming the key, if there are none."""
+    indices = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
+    if not indices:
         raise DataFileError(f"{key}: unknown joint {name!r}{known_names(name)}")
-    return places
+    return indices
 
 
 def _names_of(entry: str) -> set[str]:
@@ -122,19 +122,21 @@ def _names_of(entry: str) -> set[str]:
     return {entry, freedom, without_side(entry), without_side(freedom)}
 
 
-def joint_shares(share: Vector) -> dict[str, float]:
-    """Largest share of strength in any degree of freedom and direction of each compound joint; share (78,)."""
-    by_entry = dict(zip(ENTRIES, share, strict=True))
+def joint_load_fractions(fraction: Vector) -> dict[str, float]:
+    """The largest fraction of strength in any degree of freedom and direction of each joint; fraction (78,)."""
+    by_entry = dict(zip(ENTRIES, fraction, strict=True))
     return {
-        joint.name: max(by_entry[f"{dof.name}:{way}"] for dof in joint.degrees_of_freedom for way in DIRECTIONS)
+        joint.name: max(
+            by_entry[f"{dof.name}:{direction}"] for dof in joint.degrees_of_freedom for direction in DIRECTIONS
+        )
         for joint in JOINTS
     }
 
 
 Array = NDArray[np.float64]
 
-# Joints of the spine that are one in everyday words.
-TOGETHER = {"lumbar": "back", "thoracic": "back", "head": "neck"}
+# Joints of the spine that have a common everyday name.
+EVERYDAY_NAMES = {"lumbar": "back", "thoracic": "back", "head": "neck"}
 
 _FREEDOM_OF = np.array([entry.split(":", maxsplit=1)[0] for entry in ENTRIES])
 
@@ -142,7 +144,7 @@ _FREEDOM_OF = np.array([entry.split(":", maxsplit=1)[0] for entry in ENTRIES])
 def _groups() -> dict[str, NDArray[np.intp]]:
     names: dict[str, list[str]] = {}
     for joint in JOINTS:
-        group = names.setdefault(TOGETHER.get(joint.name, joint.name), [])
+        group = names.setdefault(EVERYDAY_NAMES.get(joint.name, joint.name), [])
         group += [dof.name for dof in joint.degrees_of_freedom]
     return {group: np.flatnonzero(np.isin(_FREEDOM_OF, freedoms)) for group, freedoms in names.items()}
 
@@ -151,5 +153,5 @@ JOINT_GROUPS = _groups()
 
 
 def highest_fatigue(fatigue: Array) -> dict[str, Array]:
-    """The most tired entry of every group: fatigue (..., 78) to (...) by group."""
-    return {group: fatigue[..., places].max(axis=-1) for group, places in JOINT_GROUPS.items()}
+    """The highest fatigue of any entry, by group (...), from fatigue (..., 78)."""
+    return {group: fatigue[..., indices].max(axis=-1) for group, indices in JOINT_GROUPS.items()}

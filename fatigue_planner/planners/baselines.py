@@ -61,7 +61,7 @@ class AlternatingSettings(PolicySettings):
 
 
 class GreedyPolicy(Policy):
-    """The action with the lowest expected fatigue cost after one cycle; the first of equals."""
+    """The action with the lowest expected fatigue cost after one cycle; ties go to the first."""
 
     def __init__(self) -> None:
         self._checked = False

@@ -1,7 +1,7 @@
 """The kernel of the full-width lookahead: expectimax over beliefs, every average exact.
 
-Beliefs are not normalised on the way: the value of weighted states is homogeneous in the weights, so the
-chance of an observation is the weight that is left after it.
+Beliefs are not normalised along the way: the value of weighted states is homogeneous in the weights, so the
+probability of an observation is the weight that remains after it.
 """
 
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from fatigue_planner.planners.pomcp.tree import Array
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
 from fatigue_planner.pomdp.simd import aligned
 
-# Whether the observation always tells the outcome, how many observations there are, and whether leaves have values.
+# Whether the observation always reveals the outcome, the number of observations, and whether leaves have values.
 OBSERVATION_REVEALS_OUTCOME = False
 N_OBSERVATIONS = 0
 LEAVES = True
@@ -25,7 +25,7 @@ class Levels(NamedTuple):
     """Working memory: level d's belief lies in rows begin[d] ... begin[d] + size[d] - 1.
 
     states (rows, L), weights (rows,), probabilities (rows, K); size, branch (depth,); values (depth, A).
-    Of the level's branches (an action, then an observation) branch[d] have been begun.
+    branch[d] counts the branches (an action, then an observation) begun at level d.
     """
 
     begin: NDArray[np.int64]
@@ -40,7 +40,7 @@ class Levels(NamedTuple):
 def new_levels(
     states: int, width: int, depth: int, outcomes: int, actions: int, observation_reveals_outcome: bool
 ) -> Levels:
-    """Memory for a lookahead from a belief of some states: unless the observation tells, beliefs grow."""
+    """Memory for a lookahead from a belief of `states` states; beliefs grow unless observations reveal outcomes."""
     sizes = [states * (1 if observation_reveals_outcome else outcomes**level) for level in range(depth + 1)]
     begin = np.concatenate([[0], np.cumsum(sizes)])
     rows = int(begin[-1])
@@ -67,8 +67,8 @@ def best_return(
 
         V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
 
-    with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. Below the last level stands the
-    leaf value of every state. Depth first; afterwards values[0] are those of the first actions.
+    with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. A state below the
+    last level counts with its leaf value. The search is depth first and leaves the actions' values in values[0].
     """
     depth, actions = levels.values.shape
     observations = levels.probabilities.shape[1] if OBSERVATION_REVEALS_OUTCOME else N_OBSERVATIONS
@@ -99,10 +99,10 @@ def best_return(
         reached, reward = observe(arrays, levels, level, action, observation)
         values[action] += reward
         if last:
-            for place in range(levels.begin[depth], levels.begin[depth] + reached):
-                leaf = Workspace(levels.states[place], workspace.moved, workspace.probabilities, *workspace[3:])
+            for row in range(levels.begin[depth], levels.begin[depth] + reached):
+                leaf = Workspace(levels.states[row], workspace.moved, workspace.probabilities, *workspace[3:])
                 value = leaf_value(arrays, bound_arrays, leaf, parameters, actions, rng)
-                values[action] += parameters.discount * levels.weights[place] * value
+                values[action] += parameters.discount * levels.weights[row] * value
         elif reached > 0:
             level += 1
             levels.size[level] = reached
@@ -119,7 +119,10 @@ def expected_now(arrays: Any, levels: Levels, workspace: Workspace, level: int, 
 
 
 def observe(arrays: Any, levels: Levels, level: int, action: int, observation: int) -> tuple[int, float]:
-    """Template: the belief below, after an action and an observation; its size, and the expected reward on the way."""
+    """Template: fill the belief one level below, after an action and an observation.
+
+    Returns its size and the expected reward, weighted by how likely the observation is.
+    """
     below = levels.begin[level + 1]
     reached, total = 0, 0.0
     for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):

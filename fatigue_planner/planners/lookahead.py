@@ -26,9 +26,9 @@ ReferenceLeafValue = Literal["none", "greedy_rollout", "bound"]
 class ReferenceSettings(Settings):
     """The lookahead that `--regret` measures decisions against; it knows the prior of a hidden worker."""
 
-    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that may happen.")
-    depth: int = Field(ge=1, le=30, description="How many cycles are looked ahead.")
-    # greedy_rollout only where nothing is left to chance: the best of noisy values is too good
+    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that can happen.")
+    depth: int = Field(ge=1, le=30, description="Depth of the lookahead in cycles.")
+    # greedy_rollout only where nothing is left to chance: the largest of noisy values is biased upwards
     leaf_value: ReferenceLeafValue = Field(
         default="none",
         description="What a path is worth beyond its last cycle: nothing (none), a rollout of greedy actions, only "
@@ -38,14 +38,14 @@ class ReferenceSettings(Settings):
 
 
 class LookaheadPolicy(Policy):
-    """The action with the best exact return over a number of cycles, plus leaf values; the first of equals.
+    """The action with the best exact return over a number of cycles, plus leaf values; ties go to the first.
 
     Its memory is kept from decision to decision.
     """
 
     def __init__(self, settings: "LookaheadSettings | ReferenceSettings") -> None:
         self.settings = settings
-        # an expert leaves nothing to chance in a greedy rollout; random ones are drawn whatever the worker
+        # greedy rollouts with an expert leave nothing to chance; random rollouts are drawn for every worker
         self.draws_at_random = settings.leaf_value == "random_rollout"
         self._model: Pomdp | None = None
         self._kernel: Any = None
@@ -86,8 +86,8 @@ class LookaheadPolicy(Policy):
 class LookaheadSettings(PolicySettings):
     """Full-width expectimax over the belief to a depth in cycles."""
 
-    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that may happen.")
-    depth: int = Field(ge=1, le=30, description="How many cycles are looked ahead.")
+    kind: Literal["lookahead"] = Field(description="Exact lookahead over everything that can happen.")
+    depth: int = Field(ge=1, le=30, description="Depth of the lookahead in cycles.")
     leaf_value: LeafValueName = Field(default="none", description=LEAF_VALUE)
     rollout_cycles: int = Field(default=20, ge=1, le=10_000, description=ROLLOUT_CYCLES)
 

@@ -1,4 +1,4 @@
-"""What every policy is: it chooses the robot's action from a belief; and its settings, which make it."""
+"""The base classes of a policy, which chooses the robot's action from a belief, and of the settings that build it."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ Counts = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Decision:
-    """What was chosen, and what is known of the choice.
+    """The action chosen, and what is known about the choice.
 
     action: index of the chosen action
     values (A,): estimated return of every action, NaN where unknown
-    visits (A,): how often the search tried every action (0 without a search)
+    visits (A,): how often the search tried each action (0 without a search)
     depth: cycles looked ahead
     duration_s: wall-clock time of the decision
-    reason: in words, why this action
+    reason: why this action was chosen, in words
 
     >>> belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
     >>> decision = fp.policy("greedy").build().act(belief, np.random.default_rng(0))
@@ -59,13 +59,13 @@ class Policy(ABC):
         """The action for this cycle. Called once per cycle, in order."""
 
     def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
-        """What was done and seen since `act`; the next belief says it, too."""
+        """Called after every cycle with what was done and seen; the next belief contains it, too."""
 
 
 class PolicySettings(Settings):
-    """What an experiment file says of a policy; every kind has `kind: Literal["its name"]` and keys of its own.
+    """What an experiment file says about a policy; every kind has `kind: Literal["its name"]` and keys of its own.
 
-    knows: what the policy knows of a worker with hidden parameters. prior: their distribution; average: it takes the
+    knows: what the policy knows about a worker with hidden parameters. prior: their distribution; average: it takes the
         average worker for the true one; truth: it knows the worker.
 
     >>> isinstance(experiment.benchmark.policies["greedy"], fp.PolicySettings)
@@ -75,8 +75,8 @@ class PolicySettings(Settings):
     kind: str
     knows: Knowledge = Field(
         default="prior",
-        description="What the policy knows of a worker with hidden parameters: their distribution (prior), the average "
-        "worker, taken for the true one (average), or the true ones (truth).",
+        description="What the policy knows about a worker with hidden parameters: their distribution (prior), the "
+        "average worker, taken for the true one (average), or the true parameters (truth).",
     )
 
     @abstractmethod
@@ -94,7 +94,7 @@ def plain_decision(action: int, values: Vector, depth: int, duration_s: float, r
 
 
 def explained(reason: str, belief: Belief) -> str:
-    """The reason, and whether the last observation was one the model holds impossible."""
+    """The reason, and a note if the last observation was impossible under the model."""
     if belief.surprised:
-        return f"{reason}; the last observation was impossible to the model, the belief was widened"
+        return f"{reason}; the last observation was impossible under the model, so the belief was widened"
     return reason

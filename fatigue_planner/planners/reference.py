@@ -1,4 +1,4 @@
-"""The reference that decisions are measured against, the deepest affordable lookahead; what a lookahead costs."""
+"""The reference that decisions are measured against: the deepest affordable lookahead, by its cost in cycle maps."""
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceLeafValue, ReferenceSettings
@@ -6,7 +6,7 @@ from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
-# A decision that applies more cycle maps than this takes minutes, and a belief of more states has no room.
+# A decision that applies more cycle maps than this takes minutes; a belief of more states does not fit in memory.
 MAX_MAPS = 3e9
 MAX_STATES = 1e7
 
@@ -31,7 +31,7 @@ def maps_of(settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> 
 
 
 def check_effort(name: str, settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> None:
-    """Raise ExperimentError, naming the key and what is possible, if a decision could never be waited for."""
+    """Raise ExperimentError, naming the key and a possible depth, if a decision would take too much time or memory."""
     model = belief.model
     states = float(len(belief.weights)) * (
         1.0 if model.observation_reveals_outcome else float(len(model.outcomes)) ** settings.depth
@@ -44,21 +44,21 @@ def check_effort(name: str, settings: LookaheadSettings | ReferenceSettings, bel
         depth -= 1
     raise ExperimentError(
         f"{name}.depth = {settings.depth}: a decision would apply {maps:.0e} cycle maps to beliefs of {states:.0e} "
-        f"states; at most {MAX_MAPS:.0e} and {MAX_STATES:.0e} can be waited for, so try {depth} or less."
+        f"states; at most {MAX_MAPS:.0e} and {MAX_STATES:.0e} are allowed. Try {depth} or less."
     )
 
 
-# Cycle maps a decision of the reference may apply: some 20 ms.
-AFFORDABLE = 300_000
+# The most cycle maps that a decision of the reference may apply, and its greatest depth: some 20 ms.
+MAX_REFERENCE_MAPS = 300_000
 ROLLOUT_CYCLES = 60
-DEEPEST = 14
+MAX_REFERENCE_DEPTH = 14
 
 
 def reference_for(belief: Belief) -> ReferenceSettings:
     """The lookahead that is used as the reference in a scenario with this initial belief.
 
-    Below its last level stand the values of cyclic plans; where nothing is left to chance (an expert), greedy
-    rollouts, which are better there. Other rollouts are chance, and the best of noisy values is too good.
+    Its leaf values are those of cyclic plans or, where nothing is left to chance (an expert), greedy rollouts, which
+    are better there. All other rollouts are random, and the largest of noisy values is biased upwards.
     """
     model = belief.model
     assert isinstance(model, FatiguePomdp)
@@ -66,9 +66,9 @@ def reference_for(belief: Belief) -> ReferenceSettings:
     if model.is_experts:
         leaf_value = "greedy_rollout"
     chosen = ReferenceSettings(kind="lookahead", depth=1, leaf_value=leaf_value, rollout_cycles=ROLLOUT_CYCLES)
-    while chosen.depth < DEEPEST:
+    while chosen.depth < MAX_REFERENCE_DEPTH:
         deeper = chosen.model_copy(update={"depth": chosen.depth + 1})
-        if maps_of(deeper, belief) > AFFORDABLE:
+        if maps_of(deeper, belief) > MAX_REFERENCE_MAPS:
             break
         chosen = deeper
     return chosen

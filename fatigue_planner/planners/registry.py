@@ -1,11 +1,15 @@
-"""The policies that an experiment file can name.
+"""The policies that an experiment file can name, and the settings of a policy from its name or a mapping.
 
 To add a policy: write it and its settings in a file (see `policy.Policy` and `policy.PolicySettings`), and add the
 settings to KINDS here. From outside the package: `fatigue_planner.register` (see `core.plugins`).
 """
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
+from pydantic import TypeAdapter, ValidationError
+
+from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
@@ -17,3 +21,26 @@ for kind in KINDS:
 
 # The settings of any policy.
 AnyPolicy = Annotated[PolicySettings, POLICIES]
+_ANY_POLICY: TypeAdapter[PolicySettings] = TypeAdapter(AnyPolicy)
+
+
+def policy(settings: str | Mapping[str, Any] | PolicySettings) -> PolicySettings:
+    """The settings of a policy from its kind, or from a mapping such as an experiment file has.
+
+    Raises SelectionError with what is wrong.
+
+    >>> fp.policy("greedy")
+    GreedySettings(kind='greedy', knows='prior')
+    >>> fp.policy({"kind": "pomcp", "backup": "max", "exploration_constant": 0.1, "descents": 500}).descents
+    500
+    """
+    if isinstance(settings, PolicySettings):
+        return settings
+    content = {"kind": settings} if isinstance(settings, str) else dict(settings)
+    try:
+        return _ANY_POLICY.validate_python(content, strict=True)
+    except ValidationError as error:
+        messages = "; ".join(
+            f"{'.'.join(map(str, detail['loc']))}: {detail['msg']}" for detail in error.errors(include_url=False)
+        )
+        raise SelectionError(f"policy {content}: {messages}.") from error

@@ -1,4 +1,4 @@
-"""How the worker chooses a motion preference."""
+"""How the worker chooses a motion preference: Boltzmann's distribution of the costs (paper, Eq. 4)."""
 
 import math
 
@@ -12,10 +12,10 @@ Vector = NDArray[np.float64]
 
 @inlined
 def relative_chance(excess: float, expertise: float) -> float:
-    """How much rarer than the cheapest a preference is chosen that costs so much more: exp(-beta excess).
+    """exp(-beta excess): the Boltzmann factor of a preference that costs `excess` more than the cheapest.
 
-    Stable for every expertise beta from 0 (all are equal) to infinity (the cheapest only, ties shared equally).
-    math.exp is the same function compiled and not; numpy's may differ in the last bit.
+    Stable for every expertise beta from 0 (all are equal) to infinity (only the cheapest; ties are equally likely).
+    math.exp gives the same result compiled or not; numpy's may differ in the last bit.
     """
     if excess == 0 or expertise == 0:
         return 1.0

@@ -1,7 +1,7 @@
-"""The exact value of plans that repeat a few actions for ever, whatever is observed.
+"""The exact value of plans that repeat a few actions forever, whatever is observed.
 
 Where the worker's choices do not depend on fatigue (a novice), the expected cost of such a plan is
-quadratic in every entry of the fatigue, so it is known at once for any state.
+quadratic in every entry of the fatigue, so it is known for any state without a simulation.
 """
 
 import itertools
@@ -16,7 +16,7 @@ from fatigue_planner.core.jit import inlined
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Plans of up to so many cycles; of several only where there are at most MAX_PLANS of that length.
+# The longest plans, in cycles; those of more than one cycle only where there are at most MAX_PLANS of that length.
 MAX_PLAN_LENGTH = 6
 MAX_PLANS = 1000
 
@@ -44,18 +44,18 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
 
 
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
-    """The discounted returns of all cyclic plans worth considering, reactions being equally likely.
+    """The discounted returns of all cyclic plans worth considering, where all reactions are equally likely.
 
     gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
     and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
         A <- mean (gamma A - 1 / 2N) g^2
         B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
         C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
-    Backwards through a whole plan each is an affine map of itself, whose fixed point is the plan's value.
+    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
     Raises ExperimentError without a discount below 1.
     """
     if discount >= 1:
-        raise ExperimentError("leaf value bound: plans for ever have no value without a discount below 1.")
+        raise ExperimentError("leaf value bound: endless plans have no value without a discount below 1.")
     plans = cyclic_plans(gain.shape[1])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
     found: list[tuple[Array, Array, Array]] = []
@@ -70,14 +70,14 @@ def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> Pl
             (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1)
             for now, w, after in zip(phases, weight, linear, strict=True)
         ]
-        constant = _fixed_point([(np.full_like(one, discount), one) for one in added])
+        constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
         found.append((square[0], linear[0], constant[0]))
     values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
     return _undominated(values) if len(gain) == 1 else values
 
 
 def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:
-    """x before each of the steps x <- a x + b that are repeated for ever: where the last leads, the first begins."""
+    """x before each of the steps x <- a x + b, repeated forever: the last step ends where the first begins."""
     slope, shift = np.ones_like(steps[0][0]), np.zeros_like(steps[0][1])
     for a, b in steps:
         slope, shift = a * slope, a * shift + b
@@ -88,30 +88,30 @@ def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:
 
 
 def _undominated(values: PlanValues) -> PlanValues:
-    """Without the plans that are nowhere, for any fatigue in [0, 1], better than some other plan.
+    """Without dominated plans, which for no fatigue in [0, 1] are better than some other plan.
 
-    The difference of two plans' values is a sum over the entries of a quadratic in each, so its largest
-    value is the sum of theirs.
+    The difference of two plans' values is a sum over the entries of a quadratic in each, so its maximum
+    is the sum of their maxima.
     """
     square, linear, constant = values.square[0], values.linear[0], values.constant[0]
-    alive = np.ones(constant.size, dtype=bool)
+    undominated = np.ones(constant.size, dtype=bool)
     for better in np.argsort(-constant):
-        if alive[better]:
+        if undominated[better]:
             a, b, c = square - square[better], linear - linear[better], constant - constant[better]
             with np.errstate(divide="ignore", invalid="ignore"):
                 top = np.clip(-b / (2 * a), 0, 1)
             middle = np.where(a < 0, (a * top + b) * top, 0.0)
             dominated = np.maximum(np.maximum(a + b, 0), middle).sum(axis=1) + c <= 0
             dominated[better] = False
-            alive &= ~dominated
-    return PlanValues(*(table[:, alive] for table in values))
+            undominated &= ~dominated
+    return PlanValues(*(table[:, undominated] for table in values))
 
 
 @inlined
 def best_plan_value(values: PlanValues, state: Vector) -> float:
     """The value of the best plan for a state, whose last number is the worker.
 
-    The sum is kept in four parts that do not wait for each other (fatigue_model.LANES).
+    The sum is kept in four parts that do not wait for each other (`simd.LANES`).
     """
     worker = int(state[state.size - 1])
     square, linear = values.square[worker], values.linear[worker]

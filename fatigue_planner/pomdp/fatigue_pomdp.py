@@ -1,7 +1,7 @@
-"""The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several that may be meant.
+"""The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several possible ones.
 
-A state holds the fatigue of the active_entries entries, padded with zeros to a multiple of LANES, and in its last
-place the number of the worker it belongs to. Where the worker is known there is one, number 0.
+A state holds the fatigue of the active entries, padded with zeros to a multiple of LANES; its last element is the
+index of the worker it belongs to. Where the worker is known there is only one, with index 0.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,8 +27,8 @@ class FatigueArrays(NamedTuple):
     """What the compiled functions read.
 
     gain, offset (M * A * U, W): row (m * A + a) * U + u is worker m's cycle map of action a and preference u
-    expertise (M,): beta of Eq. 4; `even` says that it is 0 for all
-    observation (U, O): P(o | u); `observation_reveals_outcome` says that the observation always is the preference
+    expertise (M,): beta of Eq. 4; `even`: it is 0 for all
+    observation (U, O): P(o | u); `observation_reveals_outcome`: the observation always is the preference
     """
 
     gain: Array
@@ -76,14 +76,14 @@ def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, 
 
 @inlined
 def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) -> float:
-    """The cycle's effect on fatigue, and the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
+    """Apply the cycle to the fatigue; the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
     row = first_row(arrays, state, action) + preference
     return -arrays.cost_scale * move(arrays.gain, arrays.offset, state, row)
 
 
 @inlined
 def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference: int, observation: int) -> float:
-    """P(o | u): how often preference u is recognised as o."""
+    """P(o | u): the probability that preference u is recognised as o."""
     return float(arrays.observation[preference, observation])
 
 
@@ -107,7 +107,7 @@ def react_to_anything(
 def react_to_costs(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
-    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and its cost is known."""
+    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and the cost is known."""
     row = first_row(arrays, state, action)
     expertise = expertise_of(arrays, state)
     preference, least, ties = 0, np.inf, 0
@@ -128,7 +128,7 @@ def react_to_costs(
 
 @inlined
 def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector) -> float:
-    """The mean of -C over the preferences, and their probabilities: every cost is computed once."""
+    """The mean of -C over the preferences, and their probabilities; every cost is computed once."""
     expertise, count = expertise_of(arrays, state), probabilities.size
     costs_after(arrays, state, action, probabilities)
     least = lowest(probabilities)
@@ -149,7 +149,7 @@ FATIGUE = Dynamics(preference_probabilities, react, recognition, react_to_costs,
 
 
 class Workers(NamedTuple):
-    """Workers that may be meant, each (M,): factors on all rates k and R of Eq. 2, and beta of Eq. 4."""
+    """Possible workers, each (M,): factors on all rates k and R of Eq. 2, and beta of Eq. 4."""
 
     fatigue_rate_factor: Vector
     recovery_rate_factor: Vector
@@ -179,7 +179,7 @@ class FatiguePomdp(Pomdp):
 
     @property
     def is_experts(self) -> bool:
-        """Whether every worker that may be meant is an expert, whose choice is certain but for ties."""
+        """Whether every possible worker is an expert, whose choice is certain except for ties."""
         return bool(np.isinf(self.workers.expertise).all())
 
     def state(self, fatigue: Vector, worker: int = 0) -> Vector:
@@ -190,7 +190,7 @@ class FatiguePomdp(Pomdp):
         return state
 
     def for_workers(self, workers: Workers) -> "FatiguePomdp":
-        """The same task with other workers in mind."""
+        """The same task for other workers."""
         rows = [
             [profile.maps(workers.fatigue_rate_factor, workers.recovery_rate_factor) for profile in row]
             for row in self.profiles
@@ -200,7 +200,7 @@ class FatiguePomdp(Pomdp):
 
     @cached_property
     def parts(self) -> dict[str, Any]:
-        """See Pomdp.parts; novices' choices are drawn without a look at the costs."""
+        """See Pomdp.parts; novices' choices are drawn without computing costs."""
         parts = self.dynamics.parts(len(self.observations))
         return parts | {"step": react_to_anything} if self.arrays.even else parts
 
@@ -242,7 +242,7 @@ def build_pomdp(
     """The POMDP of the reactions `profiles[action, preference]`.
 
     `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
-    entries are active: all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
+    entries are active; all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
     default the preference is always recognised.
     """
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)

@@ -1,4 +1,4 @@
-"""What may be hidden of a worker: the speed of tiring and recovering, and the expertise (paper, section VI)."""
+"""The worker's parameters that may be hidden: rates of fatigue and recovery, and expertise (paper, section VI)."""
 
 import itertools
 import math
@@ -12,15 +12,15 @@ from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.fatigue_pomdp import Workers
 
 Vector = NDArray[np.float64]
-# Chances of values must sum to 1 within this.
+# Probabilities of values must sum to 1 within this.
 ROUNDING = 1e-9
 MAX_FACTOR = 1000
 
 
 class Choice(Settings):
-    """One of some values."""
+    """One of several values."""
 
-    kind: Literal["choice"] = Field(description="One of some values.")
+    kind: Literal["choice"] = Field(description="One of several values.")
     values: tuple[Annotated[float, Field(ge=0, allow_inf_nan=True)], ...] = Field(
         min_length=1, max_length=1000, description="The values, in the unit of what is distributed."
     )
@@ -37,11 +37,11 @@ class Choice(Settings):
         return self
 
     def quantile(self, uniform: Vector) -> Vector:
-        """The values at these shares of the distribution, in the order of the values' size."""
+        """The quantiles (inverse of the distribution function) at `uniform` in [0, 1]."""
         order = np.argsort(self.values)
         ends = np.cumsum(np.array(self.probabilities)[order])
-        place = np.minimum(np.searchsorted(ends, uniform, side="right"), order.size - 1)
-        return np.array(self.values)[order][place]
+        index = np.minimum(np.searchsorted(ends, uniform, side="right"), order.size - 1)
+        return np.array(self.values)[order][index]
 
     def bounds(self) -> tuple[float, float]:
         """The smallest and the largest value the settings name."""
@@ -56,7 +56,7 @@ class LogNormal(Settings):
     sigma: float = Field(gt=0, le=10, description="Standard deviation of the natural logarithm, without unit.")
 
     def quantile(self, uniform: Vector) -> Vector:
-        """The values at these shares of the distribution."""
+        """The quantiles (inverse of the distribution function) at `uniform` in [0, 1]."""
         from scipy.special import ndtri  # noqa: PLC0415 - takes 0.2 s
 
         return np.asarray(self.median * np.exp(self.sigma * ndtri(uniform)))
@@ -67,9 +67,9 @@ class LogNormal(Settings):
 
 
 class Uniform(Settings):
-    """Any value between two."""
+    """Any value between two limits."""
 
-    kind: Literal["uniform"] = Field(description="Any value between two, all equally likely.")
+    kind: Literal["uniform"] = Field(description="Any value between two limits, all equally likely.")
     first: float = Field(alias="from", ge=0, le=1e9, description="Lower end, in the unit of what is distributed.")
     last: float = Field(alias="to", ge=0, le=1e9, description="Upper end, in the unit of what is distributed.")
 
@@ -80,7 +80,7 @@ class Uniform(Settings):
         return self
 
     def quantile(self, uniform: Vector) -> Vector:
-        """The values at these shares of the distribution."""
+        """The quantiles (inverse of the distribution function) at `uniform` in [0, 1]."""
         return np.asarray(self.first + (self.last - self.first) * uniform)
 
     def bounds(self) -> tuple[float, float]:
@@ -95,7 +95,7 @@ def _usable_factor(distribution: Choice | LogNormal | Uniform) -> Choice | LogNo
     smallest, largest = distribution.bounds()
     if smallest <= 0 or largest > MAX_FACTOR:
         wrong = smallest if smallest <= 0 else largest
-        raise ValueError(f"{wrong:g} is no factor of a rate: above 0, {MAX_FACTOR} at most")
+        raise ValueError(f"{wrong:g} is not a usable factor: it must be above 0 and at most {MAX_FACTOR}")
     return distribution
 
 
@@ -104,7 +104,7 @@ KNOWN_FACTOR = Choice(kind="choice", values=(1.0,), probabilities=(1.0,))
 
 
 class HiddenWorker(Settings):
-    """Independent distributions of what is hidden; what is left out is known."""
+    """Independent distributions of the hidden parameters; those left out are known."""
 
     fatigue_rate_factor: Factor = Field(
         default=KNOWN_FACTOR, description="Distribution of a factor of all fatigue rates k, without unit."
@@ -118,7 +118,7 @@ class HiddenWorker(Settings):
     )
 
     def distributions(self, expertise: float | None) -> tuple[Distribution, Distribution, Distribution]:
-        """The distributions in the order of Workers; a known expertise is a choice of one."""
+        """The distributions in the order of Workers; a known expertise is a choice among a single value."""
         if self.expertise is None:
             assert expertise is not None
             known = Choice(kind="choice", values=(expertise,), probabilities=(1.0,))
@@ -134,15 +134,15 @@ class WorkerPrior:
 
     @property
     def size(self) -> float:
-        """How many workers may be meant; infinitely many where a distribution is continuous."""
+        """The number of possible workers; infinite where a distribution is continuous."""
         return math.prod(len(d.values) if isinstance(d, Choice) else math.inf for d in self.distributions)
 
     def hidden(self) -> list[int]:
-        """Which of the parameters of Workers are not known."""
+        """The indices of those parameters of Workers that are not known."""
         return [i for i, d in enumerate(self.distributions) if not (isinstance(d, Choice) and len(d.values) == 1)]
 
     def support(self) -> tuple[Workers, Vector]:
-        """All workers that may be meant, and their probabilities, where they are finitely many."""
+        """All possible workers and their probabilities, where their number is finite."""
         choices = [d for d in self.distributions if isinstance(d, Choice)]
         assert len(choices) == len(self.distributions)
         combined = list(itertools.product(*(zip(c.values, c.probabilities, strict=True) for c in choices)))
@@ -151,6 +151,6 @@ class WorkerPrior:
         return Workers(*values.T.copy()), weights / weights.sum()
 
     def at(self, uniforms: NDArray[np.float64]) -> Workers:
-        """The workers at shares (n, 3) of the distributions; 0.5 is the median, the average worker."""
+        """The workers at quantiles (n, 3) of the distributions; 0.5 is the median, the average worker."""
         columns = zip(self.distributions, np.asarray(uniforms).T, strict=True)
         return Workers(*(distribution.quantile(column) for distribution, column in columns))

@@ -1,8 +1,8 @@
-"""What the planners know of a problem: a POMDP whose actions have finitely many outcomes.
+"""What the planners know about a problem: a POMDP whose actions have finitely many outcomes.
 
 A state is a vector of numbers. Choosing an action in a state has one of a few outcomes (for the fatigue
 problem: the worker's motion preference); the outcome decides the next state and the reward, and the next
-state, action and outcome decide how likely each observation is. A problem of one's own is an instance of
+state, action and outcome decide how likely each observation is. Your own problem is an instance of
 `Pomdp` with three compiled functions (examples/tiger.py).
 """
 
@@ -20,9 +20,9 @@ from fatigue_planner.core.jit import inlined, specialised
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# Chances must sum to 1 within this.
+# Probabilities must sum to 1 within this.
 ROUNDING = 1e-9
-# So many states of a belief are looked at before a search: enough to find a wrong formula.
+# How many states of a belief are checked before a search: enough to find a wrong formula.
 MAX_CHECKED = 20
 
 
@@ -37,11 +37,11 @@ class Dynamics:
     observation_probability(arrays, state, action, outcome, observation) -> P(observation | ...)
         `state` is the one after the action
     step(arrays, state, action, scratch, rng) -> (observation, reward), optional
-        moves `state` in place by chance: a short cut through the other three; `scratch` is (K,)
+        moves `state` in place at random: a shortcut for the other three; `scratch` is (K,)
     expected_reward(arrays, state, action, probabilities, moved) -> reward, optional
-        a short cut, too: the mean over the outcomes, whose probabilities it fills in; `moved` (L,) is scratch
+        also a shortcut: the mean over the outcomes, whose probabilities it fills in; `moved` (L,) is scratch
     bound(bound_arrays, state) -> value, optional
-        the value of the state, best a bound, for the leaves of searches (leaf value `bound`); `bound_arrays` is
+        the value of the state, preferably a bound, for the leaves of searches (leaf value `bound`); `bound_arrays` is
         the problem's own, see `Pomdp.bound_arrays`
 
     >>> from tiger import PROBLEM  # examples/tiger.py
@@ -57,13 +57,13 @@ class Dynamics:
     bound: Callable[..., Any] | None = None
 
     def parts(self, n_observations: int) -> dict[str, Any]:
-        """The names under which templates call these functions (see `compiled.specialised`)."""
+        """The names under which templates call these functions (see `jit.specialised`)."""
         basic = {
             "outcome_probabilities": self.outcome_probabilities,
             "advance": self.advance,
             "observation_probability": self.observation_probability,
         }
-        step = self.step or specialised(step_by_chance, inlined, **basic, N_OBSERVATIONS=n_observations)
+        step = self.step or specialised(sample_step_from_parts, inlined, **basic, N_OBSERVATIONS=n_observations)
         mean = self.expected_reward or specialised(mean_over_outcomes, inlined, **basic)
         return basic | {"step": step, "expected_reward": mean}
 
@@ -72,7 +72,7 @@ class Dynamics:
 class Pomdp:
     """A problem: the names of its actions, outcomes and observations, its discount and its functions.
 
-    observation_reveals_outcome: the observation always tells the outcome (never wrong to leave it False).
+    observation_reveals_outcome: the observation always tells the outcome (False is always correct).
 
     >>> from tiger import PROBLEM  # examples/tiger.py
     >>> isinstance(PROBLEM, fp.Pomdp), PROBLEM.actions
@@ -89,7 +89,7 @@ class Pomdp:
 
     @cached_property
     def parts(self) -> dict[str, Any]:
-        """The problem's functions by the names templates give them."""
+        """The problem's functions by their names in templates."""
         return self.dynamics.parts(len(self.observations))
 
     @cached_property
@@ -98,21 +98,21 @@ class Pomdp:
         return None
 
     def check(self, action: int, observation: int = 0) -> None:
-        """Raise IndexError for a number that is none of the problem's: compiled code would not notice."""
-        for what, number, names in (("action", action, self.actions), ("observation", observation, self.observations)):
-            if not 0 <= number < len(names):
-                raise IndexError(f"{what} {number}: the problem has {len(names)}, numbered from 0")
+        """Raise IndexError for an index that the problem does not have: compiled code would not notice."""
+        for what, index, names in (("action", action, self.actions), ("observation", observation, self.observations)):
+            if not 0 <= index < len(names):
+                raise IndexError(f"{what} {index}: the problem has {len(names)}, numbered from 0")
 
     def check_probabilities(self, states: Array) -> None:
-        """Check the chances of outcomes and observations in some states (n, L), for every action.
+        """Check the probabilities of outcomes and observations in some of the states (n, L), for every action.
 
-        Raises ProblemError, naming state, action and sum, for chances that are negative or do not sum to 1.
+        Raises ProblemError, naming state, action and sum, for probabilities that are negative or do not sum to 1.
         """
         for state in states[:MAX_CHECKED]:
             for action, name in enumerate(self.actions):
-                chances = self.probabilities(state, action)
-                _check_sum(chances, f"outcomes of action {name!r}", state)
-                for outcome in np.flatnonzero(chances > 0):
+                probabilities = self.probabilities(state, action)
+                _check_sum(probabilities, f"outcomes of action {name!r}", state)
+                for outcome in np.flatnonzero(probabilities > 0):
                     moved, _ = self.transition(state, action, int(outcome))
                     seen = self.observation_probabilities(moved, action, int(outcome))
                     what = f"observations after action {name!r} and outcome {self.outcomes[outcome]!r}"
@@ -131,7 +131,7 @@ class Pomdp:
         return moved, reward
 
     def sample_step(self, state: Vector, action: int, rng: np.random.Generator) -> tuple[Vector, int, float]:
-        """One cycle by chance: the state it leads to, what is observed, and the reward."""
+        """Draw one cycle: the state it leads to, what is observed, and the reward."""
         self.check(action)
         moved = state.copy()
         observation, reward = self.parts["step"](self.arrays, moved, action, np.empty(len(self.outcomes)), rng)
@@ -143,17 +143,17 @@ class Pomdp:
         return np.array([see(self.arrays, state, action, outcome, o) for o in range(len(self.observations))])
 
 
-def _check_sum(chances: Vector, what: str, state: Vector) -> None:
-    total = float(chances.sum())
-    if not (chances >= 0).all() or not abs(total - 1) <= ROUNDING:
+def _check_sum(probabilities: Vector, what: str, state: Vector) -> None:
+    total = float(probabilities.sum())
+    if not (probabilities >= 0).all() or not abs(total - 1) <= ROUNDING:
         raise ProblemError(
-            f"the chances {chances.tolist()} of the {what} in state {state.tolist()} sum to {total:.6g}."
+            f"the probabilities {probabilities.tolist()} of the {what} in state {state.tolist()} sum to {total:.6g}."
         )
 
 
 @inlined
 def draw(probabilities: Vector, uniform: float) -> int:
-    """The index whose share of [0, 1) holds `uniform`; never one of probability 0."""
+    """The index whose part of [0, 1) contains `uniform`; never one of probability 0."""
     last = 0
     for index in range(probabilities.size):
         if probabilities[index] > 0:
@@ -165,32 +165,32 @@ def draw(probabilities: Vector, uniform: float) -> int:
 
 
 def outcome_probabilities(arrays: Any, state: Vector, action: int, probabilities: Vector) -> None:
-    """Stands for the problem's own in templates."""
+    """Placeholder in templates for the problem's own function."""
     raise NotImplementedError
 
 
 def advance(arrays: Any, state: Vector, action: int, outcome: int) -> float:
-    """Stands for the problem's own in templates."""
+    """Placeholder in templates for the problem's own function."""
     raise NotImplementedError
 
 
 def observation_probability(arrays: Any, state: Vector, action: int, outcome: int, observation: int) -> float:
-    """Stands for the problem's own in templates."""
+    """Placeholder in templates for the problem's own function."""
     raise NotImplementedError
 
 
 def step(arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator) -> tuple[int, float]:
-    """Stands for the problem's own in templates."""
+    """Placeholder in templates for the problem's own function."""
     raise NotImplementedError
 
 
 def expected_reward(arrays: Any, state: Vector, action: int, probabilities: Vector, moved: Vector) -> float:
-    """Stands for the problem's own in templates."""
+    """Placeholder in templates for the problem's own function."""
     raise NotImplementedError
 
 
 def mean_over_outcomes(arrays: Any, state: Vector, action: int, probabilities: Vector, moved: Vector) -> float:
-    """Template: the expected reward made of the three functions."""
+    """Template: the expected reward, from the three functions."""
     outcome_probabilities(arrays, state, action, probabilities)
     expected = 0.0
     for outcome in range(probabilities.size):
@@ -204,10 +204,10 @@ def mean_over_outcomes(arrays: Any, state: Vector, action: int, probabilities: V
 N_OBSERVATIONS = 0
 
 
-def step_by_chance(
+def sample_step_from_parts(
     arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
-    """Template: the generative model made of the three functions."""
+    """Template: the generative model, from the three functions."""
     outcome_probabilities(arrays, state, action, scratch)
     outcome = draw(scratch, rng.random())
     reward = advance(arrays, state, action, outcome)

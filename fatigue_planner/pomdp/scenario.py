@@ -1,4 +1,4 @@
-"""A condition as the planners meet it: the task, where the worker may start, and what is hidden of him."""
+"""A condition as the planners meet it: the task, where the worker may start, and what is hidden about him."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,13 +18,13 @@ from fatigue_planner.pomdp.problem import draw
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# What a policy knows of a worker with hidden parameters.
+# What a policy knows about a worker with hidden parameters.
 Knowledge = Literal["prior", "average", "truth"]
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """The model holds the average worker; states (n, L) and weights (n,) are where he may start.
+    """The model has the average worker; states (n, L) and weights (n,) are where he may start.
 
     prior: the distribution of the worker, None where the worker is known; belief: how beliefs are kept; name: of the
     condition, by which random numbers are drawn.
@@ -41,20 +41,20 @@ class Scenario:
     name: str = ""
 
     def worker(self, uniforms: Vector) -> FatiguePomdp:
-        """The world with the worker that three draws from [0, 1) stand for."""
+        """The model with the worker at the quantiles `uniforms` (3,) of the prior."""
         if self.prior is None:
             return self.model
         return self.model.for_workers(self.prior.at(uniforms[None]))
 
     def start(self, uniform: float) -> Vector:
-        """The state that a draw from [0, 1) stands for."""
+        """The initial state for a uniform draw from [0, 1)."""
         return np.asarray(self.states[draw(self.weights, uniform)])
 
-    def initial_belief(self, knows: Knowledge, world: FatiguePomdp, rng: np.random.Generator) -> Belief:
-        """What a policy believes before the first cycle in a world."""
+    def initial_belief(self, knows: Knowledge, true_model: FatiguePomdp, rng: np.random.Generator) -> Belief:
+        """What a policy believes before the first cycle; `true_model` has the true worker."""
         if self.prior is None or knows == "prior":
             return self.belief.build(self.model, self.states, self.weights, self.prior, rng)
-        model = world if knows == "truth" else self.model
+        model = true_model if knows == "truth" else self.model
         settings = ExactSettings(kind="exact") if model.observation_reveals_outcome else self.belief
         return settings.build(model, self.states, self.weights, None, rng)
 
@@ -76,7 +76,7 @@ class Scenario:
         """All that decides what happens in the scenario, as JSON values."""
         prior, profiles = [], []
         if self.prior is not None:  # other workers' maps follow from the profiles
-            prior = [one.plain() for one in self.prior.distributions]
+            prior = [distribution.plain() for distribution in self.prior.distributions]
             profiles = [[profile.plain() for profile in row] for row in self.model.profiles]
         return {
             "model": fingerprint(self.model),
@@ -89,5 +89,5 @@ class Scenario:
 
 
 def average_worker(prior: WorkerPrior) -> Workers:
-    """The worker in the middle of every distribution."""
+    """The worker at the median of every distribution."""
     return prior.at(np.full((1, len(Workers._fields)), 0.5))

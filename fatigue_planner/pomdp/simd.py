@@ -1,8 +1,7 @@
 """The step of all entries at once, f = gain * state + offset, as vector code.
 
-Numba compiles a loop over the entries to one entry after the other; this is the same in blocks of LANES
-entries, and in groups of such blocks, which takes a quarter of the time. In plain Python it adds in the
-same order.
+Numba compiles a loop over the entries to one entry after the other. This does the same in blocks of LANES
+entries, and in groups of such blocks, which takes a quarter of the time. Plain Python adds in the same order.
 """
 
 from collections.abc import Callable
@@ -20,7 +19,7 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 LANES = 8
-GROUPS = (8, 4, 2, 1)  # so many blocks are read before any of them is written: the most that are left
+GROUPS = (8, 4, 2, 1)  # how many blocks are read before any of them is written: as many as remain
 CACHE_LINE = 64  # bytes
 
 
@@ -58,20 +57,20 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) ->
     def add_blocks(j: Any, count: int) -> None:
         """Some blocks from entry j on: all are read before any is written."""
         starts = [builder.gep(table, [j]) for table in (gain, offset, state)]
-        places = [
+        pointers = [
             [builder.bitcast(builder.gep(start, [number(i * LANES)]), block.as_pointer()) for start in starts]
             for i in range(count)
         ]
         after = []
-        for place in places:
-            g, o, s = (builder.load(p, align=8) for p in place)
+        for block_pointers in pointers:
+            g, o, s = (builder.load(pointer, align=8) for pointer in block_pointers)
             after.append(builder.fadd(builder.fmul(g, s), o))
         if store:
-            for (_, _, place), f in zip(places, after, strict=True):
-                builder.store(f, place, align=8)
+            for (_, _, pointer), f in zip(pointers, after, strict=True):
+                builder.store(f, pointer, align=8)
         squares = [builder.fmul(f, f) for f in after]
         while len(squares) > 1:  # neighbours first
-            squares = [builder.fadd(one, other) for one, other in zip(squares[::2], squares[1::2], strict=True)]
+            squares = [builder.fadd(left, right) for left, right in zip(squares[::2], squares[1::2], strict=True)]
         builder.store(builder.fadd(builder.load(total), squares[0]), total)
 
     begin = number(0)
@@ -80,15 +79,15 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) ->
         with cgutils.for_range_slice(builder, begin, end, number(LANES * count)) as (j, _):
             add_blocks(j, count)
         begin = end
-    left = builder.load(total)
+    vector = builder.load(total)
     size = LANES
     while size > 1:  # halves on halves
         size //= 2
-        undefined = ir.Constant(left.type, ir.Undefined)
+        undefined = ir.Constant(vector.type, ir.Undefined)
         masks = [ir.Constant(ir.VectorType(ir.IntType(32), size), [*range(i, i + size)]) for i in (0, size)]
-        low, high = (builder.shuffle_vector(left, undefined, mask) for mask in masks)
-        left = builder.fadd(low, high)
-    return builder.extract_element(left, ir.Constant(ir.IntType(32), 0))
+        low, high = (builder.shuffle_vector(vector, undefined, mask) for mask in masks)
+        vector = builder.fadd(low, high)
+    return builder.extract_element(vector, ir.Constant(ir.IntType(32), 0))
 
 
 def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool) -> float:
@@ -102,10 +101,10 @@ def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool) -> 
     for count in GROUPS:
         end = len(squares) - len(squares) % count
         for i in range(begin, end, count):
-            some = squares[i : i + count]
-            while len(some) > 1:
-                some = some[::2] + some[1::2]
-            total += some[0]
+            group = squares[i : i + count]
+            while len(group) > 1:
+                group = group[::2] + group[1::2]
+            total += group[0]
         begin = end
     while total.size > 1:
         total = total[: total.size // 2] + total[total.size // 2 :]

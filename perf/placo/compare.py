@@ -3,22 +3,22 @@
     python perf/placo/compare.py
 
 Both sides simulate the paper's four cycles in turn, in interleaved rounds; CPU time of a cycle over its
-ticks, set-up included. Ours is `simulate` as it stands. The other side is controller.py, in an
-environment of its own, made when it is first needed; without it this benchmark says so and ends.
+ticks, set-up included. Ours is `simulate` as it is. The other side is controller.py, in a separate
+environment, made when it is first needed; without it this benchmark ends with a message.
 
 Equal on both sides: the robot (our exported URDF, tool in the hand), stance, time step and semi-implicit
 integration; the tasks with their references, gains and weights (centre of mass, hand, upright segment,
 posture); the unknowns (acceleration, one wrench per sole); soles held by hard constraints of the same
 gains; sole rectangle and friction pyramid; the weight of the wrenches; what is recorded.
-Different, because placo's limits and weights are what they are:
+Different, as placo's limits and weights cannot be changed:
 - joint range: placo bounds the next velocity by the one from which it can still brake, and its torques chatter
   there by some 10 N.m; ours bounds the acceleration (Del Prete), at most by the braking acceleration;
 - torque limits: placo's are symmetric (the larger of both directions), ours are not;
 - torque regularisation: placo has one weight for all joints, ours is relative to each joint's strength;
 - contact: placo does not bound the yaw torque of a sole (9 rows per sole, ours has 16);
-- ours solves without the limits of torques and contact forces first, and with them where they are broken; placo
+- ours solves without the limits of torques and contact forces first, and with them where they are violated; placo
   always with them;
-- ours checks every solution for optimality and keeps a second solver; placo trusts its one solver;
+- ours checks every solution for optimality and has a fallback solver; placo trusts its only solver;
 - references: the placo side computes those of the whole cycle at once, before its first tick.
 """
 
@@ -138,7 +138,7 @@ def message(request: MotionRequest) -> dict[str, Any]:
 
 
 def summary(request: MotionRequest, motion: Motion) -> dict[str, Any]:
-    """Of our motion what controller.py says of placo's."""
+    """The same of our motion as controller.py reports of placo's."""
     names = list(build_human(request.worker).model.names)[2:]
     work = motion.phase("work")
     middle, half_second = motion.middle("work"), round(0.5 / motion.time_step_s)
@@ -174,7 +174,7 @@ def compare(placo: Placo) -> None:
 
 
 def show_equality(table: list[tuple[str, dict[str, Any], dict[str, Any]]]) -> None:
-    """The same tasks have the same outcome: hand, feet, and at mid-work torques and angles."""
+    """Show that the same tasks have the same outcome: hand, feet, and torques and angles at mid-work."""
     print("Ours / placo: worst hand error during work and worst foot displacement in mm; joint torques in N.m and")
     print("the largest difference of all joint angles in degrees, both means over the second around mid-work.")
     print(" | ".join(["motion", "hand", "foot", *JOINTS, "angle"]))
@@ -208,7 +208,7 @@ def main() -> None:
     try:
         python = environment_of("placo", "placo", REQUIREMENTS)
     except PeerMissingError as error:
-        print(f"comparison with placo skipped, it cannot be had here: {error}")
+        print(f"comparison with placo skipped, it is not available: {error}")
         return
     print(__doc__[__doc__.index("Equal on both sides") :])
     placo = Placo(python)

@@ -30,7 +30,7 @@ def minimum_jerk_reach(start, end, duration_s, times_s):
     acceleration, each (n, 3) in world axes.
     """
     x = np.clip(times_s / duration_s, 0.0, 1.0)
-    share = x**3 * (10 - 15 * x + 6 * x**2)
+    progress = x**3 * (10 - 15 * x + 6 * x**2)
     rate = 30 * x**2 * (1 - x) ** 2 / duration_s
     curvature = 60 * x * (1 - x) * (1 - 2 * x) / duration_s**2
     path = end[:3, 3] - start[:3, 3]
@@ -39,10 +39,10 @@ def minimum_jerk_reach(start, end, duration_s, times_s):
     # Rodrigues' formula about the constant axis of the turn
     angle = np.linalg.norm(turn)
     cross = pin.skew(turn / max(angle, 1e-12))
-    sine, cosine = np.sin(share * angle)[:, None, None], np.cos(share * angle)[:, None, None]
+    sine, cosine = np.sin(progress * angle)[:, None, None], np.cos(progress * angle)[:, None, None]
     poses = np.tile(np.eye(4), (len(x), 1, 1))
     poses[:, :3, :3] = start[:3, :3] @ (np.eye(3) + sine * cross + (1 - cosine) * (cross @ cross))
-    poses[:, :3, 3] = start[:3, 3] + np.outer(share, path)
+    poses[:, :3, 3] = start[:3, 3] + np.outer(progress, path)
     return (
         poses,
         np.outer(rate, path),
@@ -168,13 +168,13 @@ def summary(robot, request, record):
     middle, half_second = reach + work // 2, round(0.5 / request["time_step_s"])
     second = slice(middle - half_second, middle + half_second)
     names = list(request["stance"]["joints"])
-    places = np.array([robot.get_joint_v_offset(name) for name in names])
+    offsets = np.array([robot.get_joint_v_offset(name) for name in names])
     torque, angle = record["torque_nm"][second].mean(axis=0), record["configuration"][second].mean(axis=0)
     return {
         "work_hand_error_m": float(record["hand_error_m"][reach : reach + work].max()),
         "foot_displacement_m": float(record["foot_displacement_m"].max()),
-        "torque_nm": dict(zip(names, torque[places].tolist(), strict=True)),
-        "angle_rad": dict(zip(names, angle[places + 1].tolist(), strict=True)),
+        "torque_nm": dict(zip(names, torque[offsets].tolist(), strict=True)),
+        "angle_rad": dict(zip(names, angle[offsets + 1].tolist(), strict=True)),
     }
 
 

@@ -25,7 +25,7 @@ class CompilerMissingError(Exception):
 
 @dataclass(frozen=True)
 class Root:
-    """What a search found: values and counts of the root's actions, and how deep its descents went on average."""
+    """The result of a search: values and counts of the root's actions, and the mean depth of a descent."""
 
     values: np.ndarray
     tried: np.ndarray
@@ -42,8 +42,8 @@ def compiler() -> str:
 def library() -> ctypes.CDLL:
     """The compiled search; built once per source, compiler and processor."""
     command = compiler()
-    said = subprocess.run([command, "--version"], check=True, capture_output=True, text=True).stdout
-    key = digest_of([SOURCE.read_text(), said, " ".join(FLAGS), _processor()])[:DIGEST_LENGTH]
+    version = subprocess.run([command, "--version"], check=True, capture_output=True, text=True).stdout
+    key = digest_of([SOURCE.read_text(), version, " ".join(FLAGS), _processor()])[:DIGEST_LENGTH]
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fatplan"
     path = cache / f"search-{key}.so"
     if not path.exists():
@@ -58,7 +58,7 @@ def library() -> ctypes.CDLL:
 
 
 def _processor() -> str:
-    """What -march=native depends on."""
+    """The description of the processor, on which -march=native depends."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -67,7 +67,7 @@ def _processor() -> str:
 
 
 class SearchByHand:
-    """The C++ search of one model. Not for threads: its memory stays between calls."""
+    """The C++ search of one model. Not thread-safe: its memory is kept between calls."""
 
     def __init__(self, model: FatiguePomdp) -> None:
         self._search = library().search
@@ -76,18 +76,18 @@ class SearchByHand:
         assert arrays.expertise.size == 1
         self.actions = arrays.n_actions
         self._kept = arrays.gain, arrays.offset, np.ascontiguousarray(arrays.observation)
-        # ctypes needs to be told of every double and of every 64-bit number
+        # ctypes must know which arguments are doubles and which have 64 bits
         self._model = (
             *(ctypes.c_int(n) for n in (self.actions, *arrays.observation.shape, arrays.gain.shape[1])),
             *(ctypes.c_void_p(array.ctypes.data) for array in self._kept),
-            ctypes.c_int(arrays.sharp),
+            ctypes.c_int(arrays.observation_reveals_outcome),
             *(ctypes.c_double(x) for x in (arrays.expertise[0], model.discount, arrays.cost_scale)),
         )
         self._values, self._tried = np.empty(self.actions), np.empty(self.actions, np.int64)
 
     def __call__(self, belief: Belief, descents: int, exploration_constant: float, maximise: bool, seed: int) -> Root:
         """Search from a belief."""
-        states = aligned(belief.states[:, :-1])  # the last number is the worker's
+        states = aligned(belief.states[:, :-1])  # the last element is the worker
         weights = np.ascontiguousarray(belief.weights)
         depth = self._search(
             *self._model,

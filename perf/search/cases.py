@@ -1,4 +1,4 @@
-"""A decision whose searches are compared, by our search and by the C++ one."""
+"""The decisions on which searches are compared, by our search and by the C++ one."""
 
 from dataclasses import dataclass
 
@@ -29,7 +29,7 @@ class Case:
 
 
 def ours(case: Case, seed: int) -> Root:
-    """Our search with what the decision leaves out: counts and depth."""
+    """Our search, with what a decision does not contain: counts and depth."""
     tree = PomcpPolicy(case.settings).tree(case.problem.belief, np.random.default_rng(seed), 0.0)
     root = tree.nodes[0]
     return Root(root["value"], root["tried"], tree.nodes["tried"][: tree.size[0]].sum() / case.descents)

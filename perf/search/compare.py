@@ -2,14 +2,14 @@
 
     python perf/search/compare.py [--figure FILE]
 
-CPU seconds of a decision as ratios to the C++ search, medians of interleaved rounds; first that all searches do
-the same: values of the root's actions, and the mean depth of a descent. pomdp-py runs in an environment of its
-own, made when it is first needed. What cannot be had here (no C++ compiler, no pomdp-py) is left out, and said.
+CPU seconds of a decision as ratios to the C++ search, medians of interleaved rounds. First a check that all searches
+do the same: values of the root's actions, and the mean depth of a descent. pomdp-py runs in a separate environment,
+made when it is first needed. What is missing (a C++ compiler, pomdp-py) is left out, with a message.
 
 Equal everywhere: the problem, the number of descents, no rollout, UCB1 with untried actions first, mean backup.
 Different:
 - random numbers: NumPy's generator, xoshiro256+ in C++, Python's `random` in pomdp-py. Where the worker's choice
-  is no chance (expert), the trees of C++ and fatigue_planner must be the same, else the same within noise;
+  is certain (expert), the trees of C++ and fatigue_planner must be the same, elsewhere equal within noise;
 - the C++ search keeps its memory and its tables of log and square root between decisions;
 - pomdp-py: POMCP with its rollout overridden by 0; it has no max backup; its UCB1 has log(N + 1) for log N and
   scores in single precision; weighted beliefs become 1000 particles. The model is a BlackboxModel.
@@ -45,7 +45,7 @@ ROUNDS = 21
 SLOW_ROUNDS = 2  # of pomdp-py and plain Python, with the first constant only
 SEEDS = 100  # of the check
 PARTICLES = 1000
-SAME = 0.05  # how far the values of a slow search, from few rounds, may be off
+SAME = 0.05  # how far the values of a slow search, from few rounds, may differ
 
 
 class Peer:
@@ -70,13 +70,13 @@ class Peer:
 
     def decide(self, case: Case, seed: int) -> dict[str, Any]:
         model, belief = case.problem.model, case.problem.belief
-        live = model.active_entries.size
-        states = belief.states[:, :live]
+        active = model.active_entries.size
+        states = belief.states[:, :active]
         if case.problem is not self._problem:
             self._problem = case.problem
             arrays = model.arrays
             shape = arrays.n_actions, len(model.outcomes), -1
-            gain, offset = (table.reshape(shape)[..., :live].tolist() for table in (arrays.gain, arrays.offset))
+            gain, offset = (table.reshape(shape)[..., :active].tolist() for table in (arrays.gain, arrays.offset))
             self.ask({
                 "gain": gain, "offset": offset, "expertise": str(arrays.expertise[0]),
                 "discount": model.discount, "cost_scale": arrays.cost_scale,
@@ -94,7 +94,7 @@ class Peer:
 
 
 def check(cases: list[Case]) -> None:
-    """The C++ search and ours do the same; raises AssertionError otherwise."""
+    """Check that the C++ search and ours do the same. Raises AssertionError."""
     print(f"The same searches? Root values of C++ and ours over {SEEDS} seeds (expert: the same tree):")
     for case in cases:
         model = case.problem.model
@@ -116,7 +116,7 @@ def check(cases: list[Case]) -> None:
 
 
 def race(cases: list[Case], peers: dict[str, Peer]) -> None:
-    """CPU time per decision of all searches in turn."""
+    """Print the CPU time per decision of all searches, in turn."""
     print(f"\nCPU time of a decision of {DESCENTS} descents as multiples of C++ (mean depth of a descent in brackets;")
     print(f"medians of {ROUNDS} interleaved rounds, {SLOW_ROUNDS} of the slow ones; quartiles of ours after it):")
     for case in cases:
@@ -178,7 +178,7 @@ def main() -> None:
     try:
         peers["pomdp-py"] = Peer(environment_of("pomdp-py", "pomdp_py", REQUIREMENTS), "pomdp_py_search.py")
     except PeerMissingError as error:
-        print(f"pomdp-py left out, it cannot be had here: {error}")
+        print(f"pomdp-py left out, it is not available: {error}")
     try:
         race(cases, peers)
     finally:

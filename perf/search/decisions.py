@@ -2,8 +2,8 @@
 
     python perf/search/decisions.py
 
-Medians of interleaved rounds in CPU time, of whole decisions after a warming one, from the belief after some
-cycles. The bar is 50 ms per decision for what docs recommend.
+Medians of interleaved rounds in CPU time, of whole decisions after a warm-up, from the belief after some
+cycles. The bar is 50 ms per decision for what the documentation recommends.
 """
 
 import os
@@ -25,7 +25,7 @@ ROUNDS = 15
 
 
 def policies(descents: int) -> dict[str, PolicySettings]:
-    """What is compared, by the name it is printed with."""
+    """The policies compared, by the name under which they are printed."""
     found: dict[str, PolicySettings] = {"greedy": GreedySettings(kind="greedy")}
     for depth in (1, 2):
         found[f"lookahead, {depth} + bound"] = LookaheadSettings(kind="lookahead", depth=depth, leaf_value="bound")
@@ -44,7 +44,7 @@ def policies(descents: int) -> dict[str, PolicySettings]:
 
 
 def report(problem: Problem, descents: int) -> None:
-    """Prints the milliseconds of all policies."""
+    """Print the milliseconds of all policies."""
     rng = np.random.default_rng(0)
     belief = problem.belief
     for cycle in range(CYCLES_BEFORE):

@@ -18,7 +18,7 @@ import pomdp_py
 
 
 class Named:
-    """A hashable number, which actions, observations and policies are here."""
+    """A hashable number, the base class of actions and observations."""
 
     def __init__(self, number):
         self.number = number
@@ -70,7 +70,7 @@ class FatigueModel(pomdp_py.BlackboxModel):
             weights = (excess == 0) * 1.0 if self.expertise == np.inf else np.exp(-self.expertise * excess)
             u = int(np.searchsorted(np.cumsum(weights), random.random() * weights.sum(), side="right"))
             fatigue, cost = all_fatigue[u], costs[u]
-        return State(fatigue), self.observations[u], -float(cost), 1  # pomdp-py wants the number of steps too
+        return State(fatigue), self.observations[u], -float(cost), 1  # pomdp-py also expects the number of steps
 
 
 class Policy(pomdp_py.RolloutPolicy):
@@ -95,7 +95,7 @@ class WithoutRollout(pomdp_py.POMCP):
 
 
 def steps(node):
-    """Completed steps below a node, as many as all descents took."""
+    """The number of steps that all descents took below a node."""
     total, open_nodes = 0, [node]
     while open_nodes:
         for branch in open_nodes.pop().children.values():
@@ -107,7 +107,7 @@ def steps(node):
 def decide(model, actions, request):
     random.seed(request["seed"])
     particles = [State(np.array(fatigue)) for fatigue in request["particles"]]
-    # the first simulation only makes the root
+    # the first simulation only creates the root
     planner = WithoutRollout(
         max_depth=1_000_000,
         num_sims=request["descents"] + 1,

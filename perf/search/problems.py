@@ -38,7 +38,7 @@ def experiment_problems(experiment: str) -> list[Problem]:
 
 
 def synthetic_problem(entries: int = 78, actions: int = 2, expertise: float = 0.0) -> Problem:
-    """Random affine maps of `entries` live entries with two reactions to every action, from a rested worker."""
+    """Random affine maps of `entries` active entries with two reactions to every action, from a rested worker."""
     rng = np.random.default_rng(1)
     gain = rng.uniform(0.6, 0.99, (actions, 2, entries))
     offset = rng.uniform(0, 0.1, gain.shape) * (1 - gain)
@@ -48,11 +48,11 @@ def synthetic_problem(entries: int = 78, actions: int = 2, expertise: float = 0.
 
 
 def affine_model(gain: np.ndarray, offset: np.ndarray, expertise: float, discount: float, entries: int) -> FatiguePomdp:
-    """The POMDP of cycle maps (A, U, L) of the live entries, `entries` in all; the preference is always recognised."""
-    actions, preferences, live = gain.shape
+    """The POMDP of cycle maps (A, U, L) of the active among `entries` entries; preferences are always recognised."""
+    actions, preferences, active = gain.shape
     names = [f"action_{a}" for a in range(actions)], [f"preference_{u}" for u in range(preferences)]
-    nothing = np.zeros((1, live))
-    unused = CycleProfile(np.ones((1, live)), nothing, nothing, np.zeros(live), np.zeros(live), np.zeros(live))
+    nothing = np.zeros((1, active))
+    unused = CycleProfile(np.ones((1, active)), nothing, nothing, np.zeros(active), np.zeros(active), np.zeros(active))
     profiles = {(a, u): unused for a in names[0] for u in names[1]}
     blank = build_pomdp(*names, profiles, nothing, one_worker(expertise), discount)
     scaled = replace(blank, entries=entries, arrays=blank.arrays._replace(cost_scale=1 / entries))

@@ -1,4 +1,4 @@
-"""Cost of a descent against tree size, number of actions and live entries: `python scaling.py FILE` draws it."""
+"""Cost of a descent against tree size, number of actions and active entries: `python scaling.py FILE` draws it."""
 
 import statistics
 import sys
@@ -51,17 +51,17 @@ def costs(problem: Problem, descents: int) -> Costs:
 
 
 def measure() -> dict[str, dict[int, Costs]]:
-    """Costs by what is varied and its value."""
+    """Costs by the quantity that is varied and its value."""
     return {
         "descents": {n: costs(synthetic_problem(32), n) for n in DESCENTS},
         "actions": {n: costs(synthetic_problem(32, n), DESCENTS_OF_A_DECISION) for n in ACTIONS},
-        "live entries": {n: costs(synthetic_problem(n), DESCENTS_OF_A_DECISION) for n in ENTRIES},
+        "active entries": {n: costs(synthetic_problem(n), DESCENTS_OF_A_DECISION) for n in ENTRIES},
     }
 
 
 def report(measured: dict[str, dict[int, Costs]]) -> None:
-    """Prints the bars: flat in tree size apart from depth, at most linear in live entries."""
-    by_size, by_entries = measured["descents"], measured["live entries"]
+    """Print the bars: flat in tree size apart from depth, at most linear in active entries."""
+    by_size, by_entries = measured["descents"], measured["active entries"]
     for name in by_size[DESCENTS[0]]:
         small, large = by_size[1000][name], by_size[DESCENTS[-1]][name]
         print(
@@ -71,7 +71,7 @@ def report(measured: dict[str, dict[int, Costs]]) -> None:
         few, many = by_entries[ENTRIES[0]][name][1], by_entries[ENTRIES[-1]][name][1]
         growth = np.log(many / few) / np.log(ENTRIES[-1] / ENTRIES[0])
         print(
-            f"{name}: a step with {ENTRIES[-1]} live entries costs {many / few:.2f} x one with {ENTRIES[0]}: "
+            f"{name}: a step with {ENTRIES[-1]} active entries costs {many / few:.2f} x one with {ENTRIES[0]}: "
             f"as their number to the power {growth:.2f}"
         )
 

@@ -1,4 +1,4 @@
-// The tree search of fatigue_planner/planners/search.py by hand in C++17, as a yardstick of speed.
+// The tree search of fatigue_planner/planners/pomcp/search.py written by hand in C++17, as a yardstick of speed.
 //
 // The same algorithm: no rollout, UCB1 with untried actions first in order and equal scores to the first,
 // Eq. 4's choice, backup by mean or by max (MaxUCT). Only the random stream is another one (xoshiro256+).
@@ -28,7 +28,7 @@ struct Model {
   int actions, preferences, observations, entries;  // entries: padded to a multiple of LANES
   const double *gain, *offset;                      // (actions * preferences, entries)
   const double *observation;                        // (preferences, observations)
-  bool sharp;                                       // the observation always is the preference
+  bool revealed;                                    // the observation always is the preference
   double expertise, discount, cost_scale;
 };
 
@@ -151,9 +151,9 @@ template <int A, int U, int BLOCKS, Choice CHOICE, bool MAXIMISE>
 double grow(const Model &m, const double *states, const double *weights, int particles, int descents,
             double exploration, uint64_t seed, double *values, int64_t *tried_out) {
   const int actions = A ? A : m.actions, preferences = U ? U : m.preferences;
-  const int observations = U ? U : m.observations;  // a template argument U is used with sharp observations only
+  const int observations = U ? U : m.observations;  // a template argument U is used with revealed observations only
   const int blocks = BLOCKS ? BLOCKS : m.entries / LANES;
-  const bool sharp = U ? true : m.sharp;
+  const bool revealed = U ? true : m.revealed;
   const double discount = m.discount, scale = m.cost_scale;
   Xoshiro rng(seed);
   tables.grow(static_cast<size_t>(descents) + 2);
@@ -250,7 +250,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
         }
         cost = scale * sum(total + other);
       }
-      const int seen = sharp ? preference
+      const int seen = revealed ? preference
                              : draw(m.observation + static_cast<size_t>(preference) * observations, observations,
                                     rng.uniform());
       path[depth++] = {node, action, -cost};
@@ -312,18 +312,18 @@ double by_entries(const Model &m, Rest... rest) {
 }  // namespace
 
 // Grows a tree; writes the root's values and counts of every action and returns the mean depth of a descent.
-// Rows of gain, offset and states hold `entries` numbers, padded with zeros to a multiple of 8. Not for threads.
+// Rows of gain, offset and states hold `entries` numbers, padded with zeros to a multiple of 8. Not thread-safe.
 extern "C" double search(int actions, int preferences, int observations, int entries, const double *gain,
-                         const double *offset, const double *observation, int sharp, double expertise,
+                         const double *offset, const double *observation, int revealed, double expertise,
                          double discount, double cost_scale, const double *states, const double *weights,
                          int particles, int descents, double exploration, int maximise, uint64_t seed,
                          double *values, int64_t *tried) {
   const Model m{actions, preferences, observations, entries,  gain,       offset,
-                observation, sharp != 0, expertise, discount, cost_scale};
+                observation, revealed != 0, expertise, discount, cost_scale};
   const bool max = maximise != 0;
-  if (m.sharp && actions == 2 && preferences == 2)
+  if (m.revealed && actions == 2 && preferences == 2)
     return by_entries<2, 2>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
-  if (m.sharp && actions == 3 && preferences == 2)
+  if (m.revealed && actions == 3 && preferences == 2)
     return by_choice<3, 2, 0>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
   return by_choice<0, 0, 0>(m, max, states, weights, particles, descents, exploration, seed, values, tried);
 }

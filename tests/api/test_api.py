@@ -1,4 +1,4 @@
-"""Scripts and notebooks get the numbers of the command line, with names instead of indices."""
+"""Scripts and notebooks get the same numbers as the command line, with names instead of indices."""
 
 from pathlib import Path
 
@@ -44,12 +44,12 @@ POMCP_MAX = {"kind": "pomcp", "backup": "max", "exploration_constant": 0.1, "des
 def test_runs_have_the_numbers_of_a_benchmark(scenario, kind) -> None:
     cell = Cell(scenario.name, CYCLES, "mine", fp.policy(kind), scenario, SEED, 3)
     table = fp.run_trials(scenario, {"mine": kind}, CYCLES, 3, SEED)
-    there = cell.run(range(3))
-    assert table["discounted_return"].tolist() == [there[trial].discounted_return for trial in range(3)]
-    assert table["final_cost"].tolist() == [there[trial].final_cost for trial in range(3)]
+    results = cell.run(range(3))
+    assert table["discounted_return"].tolist() == [results[trial].discounted_return for trial in range(3)]
+    assert table["final_cost"].tolist() == [results[trial].final_cost for trial in range(3)]
 
 
-def test_an_object_of_ones_own_is_a_policy(scenario) -> None:
+def test_your_own_object_is_a_policy(scenario) -> None:
     mine = ByName()
     found = fp.run(scenario, mine, CYCLES, SEED)
     assert found.cycles["action"].tolist() == ["low", "high"] * 3
@@ -65,7 +65,7 @@ def test_an_object_of_ones_own_is_a_policy(scenario) -> None:
 
 
 @pytest.mark.parametrize("chosen", ["middle", 2, -1, None, 0.5])
-def test_what_is_no_action_is_refused(scenario, chosen: object) -> None:
+def test_a_choice_that_is_not_an_action_is_refused(scenario, chosen: object) -> None:
     class Wrong:
         def act(self, belief: fp.Belief, rng: np.random.Generator) -> object:
             return chosen
@@ -75,15 +75,15 @@ def test_what_is_no_action_is_refused(scenario, chosen: object) -> None:
 
 
 @pytest.mark.parametrize(
-    ("settings", "words"),
+    ("settings", "message"),
     [("gredy", "gredy"), ({"kind": "pomcp"}, "backup"), ({"kind": "greedy", "c": 1}, "c")],
 )
-def test_settings_that_are_wrong_are_told(settings: object, words: str) -> None:
-    with pytest.raises(fp.FatplanError, match=words):
+def test_wrong_settings_are_reported(settings: object, message: str) -> None:
+    with pytest.raises(fp.FatplanError, match=message):
         fp.policy(settings)
 
 
-def test_a_condition_that_is_not_there_is_told(cache_folder: Path) -> None:
+def test_an_unknown_condition_is_reported(cache_folder: Path) -> None:
     experiment = fp.load(PAPER)
     with pytest.raises(fp.FatplanError, match="'nobody': not in the experiment; available: single_novice"):
         fp.scenario(experiment, {}, "nobody")

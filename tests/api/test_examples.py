@@ -8,8 +8,8 @@ import pytest
 from conftest import ROOT
 
 EXAMPLES = ROOT / "examples"
-# What an example prints, in part: numbers are checked elsewhere.
-WORDS = {
+# A part of what each example prints; numbers are checked elsewhere.
+OUTPUT = {
     "walk_a_worker": "average_man/low/back",
     "own_task": "Most tired:",
     "own_policy": "stubborn_10",
@@ -21,17 +21,17 @@ WORDS = {
 }
 
 
-def test_there_is_a_test_of_every_example() -> None:
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(WORDS)
+def test_every_example_is_tested() -> None:
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(OUTPUT)
 
 
 @pytest.mark.parametrize(
-    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in sorted(WORDS) if name != "own_task"), "own_task"]
+    "name", [*(pytest.param(name, marks=pytest.mark.slow) for name in sorted(OUTPUT) if name != "own_task"), "own_task"]
 )
 def test_an_example_runs(name: str, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, EXAMPLES / f"{name}.py"], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert WORDS[name] in done.stdout
+    assert OUTPUT[name] in done.stdout
     assert done.stderr == ""

@@ -55,14 +55,14 @@ def test_type_checkers_see_the_same_names() -> None:
     assert (ROOT / "fatigue_planner/py.typed").exists()
 
 
-def test_there_are_about_twenty_and_no_other() -> None:
+def test_there_are_about_twenty_names() -> None:
     assert 20 <= len(NAMES) <= 30
     assert set(dir(fp)) == set(fp.__all__)
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = fp.simulat
 
 
-def test_the_import_loads_none_of_them() -> None:
+def test_the_import_loads_no_other_module() -> None:
     program = "import sys, fatigue_planner; print(sorted(m for m in sys.modules if 'fatigue_planner.' in m))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -465,7 +465,11 @@ BAD_STUDIES = [
     ("seed: 1", "seed: 1e3", "space_filling.seed = 1000.0: input should be a valid integer."),
     ("seed: 1", f"seed: {2**63}", "space_filling.seed = 9223372036854775808: input should be less than"),
     ("planners: [pomcp_0.1]", "planners: [best]", "planners: best; known are random, alternating"),
-    ("planners: [pomcp_0.1]", "planners: [pomcp_0.1, pomcp_0.1]", "planners: pomcp_0.1, pomcp_0.1: something stands"),
+    (
+        "planners: [pomcp_0.1]",
+        "planners: [pomcp_0.1, pomcp_0.1]",
+        "planners: pomcp_0.1, pomcp_0.1: a name is given",
+    ),
     ("trials: 20", "trials: 20, policies: [nobody]", "grid.policies: nobody; known are "),
     (
         "trials: 20",

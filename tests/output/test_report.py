@@ -248,7 +248,7 @@ def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, 
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "manifest.json").write_text('{"sensitivity": {}}')
     found = study_of(paper, tmp_path)
-    assert found is not None and found.lessons == ["Planning pays."]
+    assert found is not None and found.conclusions == ["Planning pays."]
     assert study_of(paper.model_copy(update={"discount": 0.9}), tmp_path) is None
     publish_manifest(folder, "sensitivity", note | {"reactions": {"a": "other"}}, [folder / "lessons.txt"])
     assert study_of(paper, tmp_path) is None

@@ -1,4 +1,4 @@
-"""The lower bound on the cost: below the optimum by enumeration, close to it, never beaten, and never wrong."""
+"""The lower bound on the cost: below the optimum by enumeration, close to it, and never beaten."""
 
 import math
 from dataclasses import dataclass
@@ -29,12 +29,12 @@ from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.trial import run_trial
 
 EXPERTISE = [0.0, 2.0, 30.0, math.inf]
-SMALL = {"classes": 16, "leaves": 1}  # no more is enumerated than must be
+SMALL = {"classes": 16, "leaves": 1}  # enumerates no more than it must
 
 
 @dataclass(frozen=True)
 class Model:
-    """The fatigue problem in plain NumPy, so that the optimum does not rest on the package's kernels."""
+    """The fatigue problem in plain NumPy, so that the optimum does not depend on the package's kernels."""
 
     gain: np.ndarray
     offset: np.ndarray
@@ -111,8 +111,8 @@ def test_it_is_below_the_optimum_and_close(expertise: float, start: str) -> None
     found = bound(model, belief, 6, **SMALL)
     assert not found.exact and found.exact_cycles == found.memory == 2
     assert found.state_revealed == (start == "several" and expertise > 0)
-    share = 0.98 if expertise == 0 else 0.8 if found.state_revealed else 0.9
-    assert share * best < found.cost <= best
+    tightness = 0.98 if expertise == 0 else 0.8 if found.state_revealed else 0.9
+    assert tightness * best < found.cost <= best
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -188,8 +188,8 @@ def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
     for seed in range(10):
         rng = np.random.default_rng(seed)
 
-        def damaged(functions: Quadratics, share: np.ndarray, spread: np.ndarray) -> Quadratics:
-            sound = shape(functions, share, spread)
+        def damaged(functions: Quadratics, weights: np.ndarray, spread: np.ndarray) -> Quadratics:
+            sound = shape(functions, weights, spread)
             noise = damage * rng.normal(size=(3, *sound.slope.shape))  # noqa: B023
             return Quadratics(sound.value + noise[2, :, 0], sound.slope + noise[0], sound.curvature + noise[1])
 
@@ -264,7 +264,7 @@ def test_the_minimum_over_a_box() -> None:
     np.testing.assert_allclose(least, sampled, atol=5e-3)
 
 
-# One chance in a million that any of the comparisons with chance of this file fails although all is well.
+# The probability that any of the random comparisons in this file fails although all is well: one in a million.
 FALSE_ALARM = 1e-6
 
 
@@ -274,7 +274,7 @@ def allowance(cost: np.ndarray, comparisons: int) -> float:
 
 
 def assert_no_policy_beats(found: CostBound, costs: dict[str, np.ndarray], comparisons: int) -> None:
-    """Mean costs above the bound, by Student's t where chance plays a part, exactly where it does not."""
+    """Mean costs above the bound, by Student's t where costs are random, exactly where they are not."""
     for name, cost in costs.items():
         assert cost.mean() + allowance(cost, comparisons) >= found.cost, name
         if np.ptp(cost) == 0:
@@ -296,7 +296,7 @@ def situation_of(model: Model, belief: Start) -> Scenario:
 
 
 def policy_costs(
-    paper: Experiment, one: Scenario, condition: str, n_cycles: int, trials: int, descents: int
+    paper: Experiment, task: Scenario, condition: str, n_cycles: int, trials: int, descents: int
 ) -> dict[str, np.ndarray]:
     """Cost of every policy of the paper, and of two lookaheads, in the same trials."""
     costs = {}
@@ -309,7 +309,7 @@ def policy_costs(
     for name, settings in policies.items():
         results = [
             run_trial(
-                one,
+                task,
                 settings.build(),
                 "prior",
                 n_cycles,
@@ -338,9 +338,9 @@ def test_no_policy_beats_it(expertise: float, start: str, paper: Experiment) -> 
 def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_percent(
     condition: str, n_cycles: int, paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
-    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
-    costs = policy_costs(paper, one, condition, n_cycles, trials=40, descents=1000)
-    found = bound_of(one, n_cycles)
+    task = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions[condition])
+    costs = policy_costs(paper, task, condition, n_cycles, trials=40, descents=1000)
+    found = bound_of(task, n_cycles)
     assert_no_policy_beats(found, costs, comparisons=9 * len(costs))
     best = min(costs.values(), key=np.mean)
     assert best.mean() - allowance(best, 9) < 1.01 * found.cost
@@ -348,7 +348,7 @@ def test_in_the_papers_conditions_no_policy_beats_it_and_the_best_is_within_a_pe
 
 @pytest.mark.parametrize("seed", range(6))
 def test_an_experts_choice_between_equal_costs_is_not_decided_by_rounding(seed: int) -> None:
-    """Reactions that tire mirrored joints: which of them is the cheaper one is told by the order of a sum only."""
+    """Reactions that tire mirrored joints: which is cheaper depends only on the order of a sum."""
     rng = np.random.default_rng(seed)
     offset = rng.uniform(0.05, 0.5, 4)
     gain = np.array([0.9, 0.9, 0.1, 0.1])

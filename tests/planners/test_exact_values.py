@@ -22,7 +22,7 @@ FALSE_ALARM = 1e-6
 
 
 def tiger_values(on_the_left: float, steps: int) -> list[float]:
-    """The tiger's exact values by Bellman's equation on the chance that it is on the left; nothing but numbers."""
+    """The tiger's exact values by Bellman's equation for the probability that it is on the left."""
 
     def best(chance: float) -> float:
         return max(tiger_values(chance, steps - 1)) if steps > 1 else 0.0
@@ -51,13 +51,13 @@ def test_lookahead_is_exact_in_the_tiger_problem(on_the_left: float, steps: int)
         np.testing.assert_allclose(lookahead(table_belief(ending, weights), depth), exact, rtol=1e-12)
 
 
-@pytest.mark.parametrize("sharp", [False, True])
-def test_lookahead_is_exact_in_random_problems(sharp: bool) -> None:
-    """States seen and not seen, from several states at once."""
+@pytest.mark.parametrize("revealed", [False, True])
+def test_lookahead_is_exact_in_random_problems(revealed: bool) -> None:
+    """States observed or hidden, from several states at once."""
     for seed in range(5):
-        problem = random_tables(seed, actions=3, states=2, horizon=4, sharp=sharp)
+        problem = random_tables(seed, actions=3, states=2, horizon=4, revealed=revealed)
         weights = np.array([0.3, 0.7])
-        assert problem.observation_reveals_outcome == sharp
+        assert problem.observation_reveals_outcome == revealed
         np.testing.assert_allclose(
             lookahead(table_belief(problem, weights), 4), table_value(problem, weights), rtol=1e-12
         )
@@ -66,23 +66,23 @@ def test_lookahead_is_exact_in_random_problems(sharp: bool) -> None:
 def root_errors(backup: str, c: float, descents: int) -> np.ndarray:
     """Root values of 16 searches less the exact ones, (16, A): tiger with an end after 3 steps.
 
-    Its tree is finite as far as it matters: beyond the end all returns are 0.
+    Its tree is finite where it matters: beyond the end all returns are 0.
     """
     belief = table_belief(tiger_with_an_end(3), [0.5, 0.5])
     found = [tree_of(belief, pomcp(descents, c, backup), seed).value[0] for seed in range(16)]
     return np.array(found) - tiger_values(0.5, 3)
 
 
-# What may be left of the error after 48,000 descents; the returns differ by up to 300.
+# The error that may remain after 48,000 descents; the returns differ by up to 300.
 TOLERANCE = {"mean": 1.0, "max": 0.1, "exact": 0.1}
 
 
 @pytest.mark.parametrize("backup", TOLERANCE)
 def test_root_values_converge_to_the_exact_ones(backup: str) -> None:
-    """The value of the best action: 16 times the descents leave less than a third of the error, or next to nothing.
+    """The value of the best action: 16 times the descents leave less than a third of the error, or almost nothing.
 
-    What is left is below the tolerance plus the width of the confidence interval of the mean of 16 searches:
-    t, false alarm 1e-6. (Actions that are not the best are tried ever less often; see the next test.)
+    The error that remains is below the tolerance plus the width of the confidence interval of the mean of 16 searches:
+    t, false alarm 1e-6. (Actions that are not the best are tried less and less often; see the next test.)
     """
     few, many = (root_errors(backup, 100.0, descents)[:, 2] for descents in (3000, 48_000))
     noise = stats.t.isf(FALSE_ALARM / 2, 15) * stats.sem(many)
@@ -100,14 +100,14 @@ def test_with_much_exploration_the_values_of_all_actions_converge(backup: str) -
 
 def test_the_exact_backup_is_exact_once_the_tree_is_full() -> None:
     """From one state, seen at every step, no sampling error is left: root values to 1e-12, whatever c."""
-    problem = random_tables(3, actions=2, states=2, horizon=3, sharp=True)
+    problem = random_tables(3, actions=2, states=2, horizon=3, revealed=True)
     belief, exact = table_belief(problem, [1.0, 0.0]), table_value(problem, np.array([1.0, 0.0]))
     for c in (30.0, 1000.0):
         np.testing.assert_allclose(tree_of(belief, pomcp(20_000, c, "exact")).value[0], exact, rtol=1e-12)
 
 
 def returns(settings: PolicySettings, belief: ExactBelief, steps: int, games: int) -> np.ndarray:
-    """Discounted returns of a policy in games of so many steps."""
+    """Discounted returns of a policy in games of `steps` steps."""
     problem, rng = belief.model, np.random.default_rng(8)
     total = np.zeros(games)
     for game in range(games):

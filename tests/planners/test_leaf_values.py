@@ -1,4 +1,4 @@
-"""Leaf values against the returns they stand for, by enumeration; run as plain Python, so that none is compiled."""
+"""Leaf values against the returns they stand for, by enumeration; run as plain Python, so that nothing is compiled."""
 
 import math
 from dataclasses import replace
@@ -14,11 +14,11 @@ from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.pomcp.tree import UNVISITED
 from fatigue_planner.pomdp.problem import Pomdp
 
-SHARP = random_tables(5, actions=3, states=2, horizon=4, sharp=True)
+REVEALED = random_tables(5, actions=3, states=2, horizon=4, revealed=True)
 
 
 def follow(problem: Pomdp, state: np.ndarray, cycles: int, greedily: bool) -> float:
-    """Expected return of some cycles in which actions are drawn evenly, or the best expected reward is taken."""
+    """Expected return of some cycles with random actions or, if `greedily`, those of the best expected reward."""
     if cycles == 0:
         return 0.0
     values, rewards = [], []
@@ -41,10 +41,10 @@ def test_a_rollout_is_worth_what_its_policy_is_worth(
     plant_in_search(monkeypatch)
     state = np.array([1.0, 0.0])
     expected = 0.0
-    for outcome, chance in enumerate(SHARP.probabilities(state, 0)):
-        after, reward = SHARP.transition(state, 0, outcome)
-        expected += chance * (reward + SHARP.discount * follow(SHARP, after, 2, greedily))
-    belief = table_belief(SHARP, [0.0, 1.0])
+    for outcome, chance in enumerate(REVEALED.probabilities(state, 0)):
+        after, reward = REVEALED.transition(state, 0, outcome)
+        expected += chance * (reward + REVEALED.discount * follow(REVEALED, after, 2, greedily))
+    belief = table_belief(REVEALED, [0.0, 1.0])
     settings = pomcp(1, leaf_value=leaf_value, rollout_cycles=2)
     found = [tree_of(belief, settings, seed).value[0, 0] for seed in range(400)]
     assert stats.ttest_1samp(found, expected).pvalue > 1e-6
@@ -64,18 +64,18 @@ def test_a_greedy_rollout_of_an_expert_by_hand(monkeypatch: pytest.MonkeyPatch) 
 def test_a_bound_stands_at_every_leaf(monkeypatch: pytest.MonkeyPatch, backup: str) -> None:
     """Three descents, one per action: mean reward and the discounted bound of the state reached."""
     plant_in_search(monkeypatch)
-    tree = tree_of(table_belief(SHARP, [0.0, 1.0]), pomcp(3, 0.0, backup, leaf_value="bound"))
+    tree = tree_of(table_belief(REVEALED, [0.0, 1.0]), pomcp(3, 0.0, backup, leaf_value="bound"))
     for action in range(3):
         (outcome,) = np.flatnonzero(tree.child[0, action] != UNVISITED)
-        after, reward = SHARP.transition(np.array([1.0, 0.0]), action, int(outcome))
+        after, reward = REVEALED.transition(np.array([1.0, 0.0]), action, int(outcome))
         if backup == "exact":
             reward = tree.mean_reward[0, action]
-        expected = reward + SHARP.discount * interpreted(table_bound)(SHARP.arrays, after)
+        expected = reward + REVEALED.discount * interpreted(table_bound)(REVEALED.arrays, after)
         assert tree.value[0, action] == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_problem_without_a_bound_says_so() -> None:
-    without = replace(SHARP, dynamics=replace(SHARP.dynamics, bound=None))
+    without = replace(REVEALED, dynamics=replace(REVEALED.dynamics, bound=None))
     belief, rng = table_belief(without, [0.5, 0.5]), np.random.default_rng(0)
     for settings in (pomcp(9, leaf_value="bound"), LookaheadSettings(kind="lookahead", depth=1, leaf_value="bound")):
         with pytest.raises(ExperimentError, match="leaf value bound: this problem has none"):

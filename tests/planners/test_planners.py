@@ -1,4 +1,4 @@
-"""The policies: baselines, what a decision tells, the kept tree, the time budget, and the registry."""
+"""The policies: baselines, what a decision reports, the reused tree, the time budget, and the registry."""
 
 import math
 import time
@@ -52,19 +52,19 @@ def test_greedy_is_the_one_step_optimum(expertise: float) -> None:
 
 
 def test_registry_builds_every_policy_of_the_paper(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
+    task = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
     rng = np.random.default_rng(0)
     kinds = {"lookahead"}  # the paper has none
     for settings in paper.benchmark.policies.values():
         small = settings.model_copy(update={"descents": 50}) if isinstance(settings, PomcpSettings) else settings
-        decision = small.build().act(one.initial_belief(settings.knows, one.model, rng), rng)
+        decision = small.build().act(task.initial_belief(settings.knows, task.model, rng), rng)
         assert decision.action in (0, 1) and decision.values.shape == (2,)
         kinds.add(settings.kind)
     assert kinds == set(POLICIES.kinds())
 
 
-def test_decisions_tell_what_they_rest_on() -> None:
-    """Values, visits, depth, time and reason of every kind of policy, against what is known of each."""
+def test_decisions_report_what_they_are_based_on() -> None:
+    """Values, visits, depth, time and reason of every kind of policy, against what is known about each."""
     belief, rng = two_starts(small_model(0.0)), np.random.default_rng(2)
     for policy, depth, reason in (
         (RandomPolicy(), 0, "drawn at random"),
@@ -81,8 +81,8 @@ def test_decisions_tell_what_they_rest_on() -> None:
     assert decision.visits.sum() == 200 and decision.action == decision.values.argmax()
     assert decision.reason == "best estimated return after 200 descents"
     assert decision.depth == depth_of(tree_of(belief, pomcp(200, 0.02, "max"), 2))
-    one = PomcpPolicy(pomcp(1)).act(belief, rng)
-    assert one.action == 0 and one.visits.tolist() == [1, 0] and np.isnan(one.values).tolist() == [False, True]
+    single = PomcpPolicy(pomcp(1)).act(belief, rng)
+    assert single.action == 0 and single.visits.tolist() == [1, 0] and np.isnan(single.values).tolist() == [False, True]
 
 
 def depth_of(tree, node: int = 0) -> int:
@@ -91,7 +91,7 @@ def depth_of(tree, node: int = 0) -> int:
 
 
 def assert_same_subtree(tree, root: int, kept) -> None:
-    """Node by node the same from two roots: counts, values and all that parts keep."""
+    """Node by node the same from two roots: counts, values and all that the parts of the search keep."""
     pairs, seen = [(root, 0)], 0
     while pairs:
         old, new = pairs.pop()
@@ -100,7 +100,7 @@ def assert_same_subtree(tree, root: int, kept) -> None:
             if name != "child":
                 np.testing.assert_array_equal(kept[name][new], tree[name][old], err_msg=name)
         np.testing.assert_array_equal(tree.child[old] == UNVISITED, kept.child[new] == UNVISITED)
-        pairs += zip(*(one[one != UNVISITED].tolist() for one in (tree.child[old], kept.child[new])), strict=True)
+        pairs += zip(*(nodes[nodes != UNVISITED].tolist() for nodes in (tree.child[old], kept.child[new])), strict=True)
     assert seen == len(kept) == tree.visited[root]
 
 
@@ -123,8 +123,8 @@ def test_the_kept_tree_is_the_subtree_and_the_search_goes_on_from_it(backup: str
     assert policy.act(belief, rng).visits.sum() == 400 + kept
 
 
-def test_where_nothing_can_be_kept_the_search_begins_anew() -> None:
-    """Something never seen in the search; and a policy that is not to keep its tree."""
+def test_where_nothing_can_be_kept_the_search_starts_afresh() -> None:
+    """An observation that the search never made; and a policy that does not reuse its tree."""
     belief, rng = relaxed(small_model(math.inf)), np.random.default_rng(3)
     unseen = 1 - int(belief.model.probabilities(belief.states[0], 0).argmax())
     for settings, observation in ((pomcp(50, reuse_tree=True), unseen), (pomcp(50), 1 - unseen)):
@@ -135,14 +135,14 @@ def test_where_nothing_can_be_kept_the_search_begins_anew() -> None:
         assert policy.act(following, rng).visits.sum() == 50
 
 
-def test_a_decision_rests_on_its_own_belief_even_if_the_policy_was_not_told_what_happened() -> None:
-    """Without `observe` there is no tree to go on from: that of another belief would be wrong."""
+def test_a_decision_uses_its_own_belief_even_if_the_policy_was_not_told_what_happened() -> None:
+    """Without `observe` there is no tree to continue from: that of another belief would be wrong."""
     model, rng = small_model(math.inf), np.random.default_rng(3)
     for reuse in (False, True):
         policy = PomcpPolicy(pomcp(50, reuse_tree=reuse))
         policy.act(relaxed(model), rng)
         again, fresh = (
-            one.act(two_starts(model), np.random.default_rng(5)) for one in (policy, PomcpPolicy(pomcp(50)))
+            actor.act(two_starts(model), np.random.default_rng(5)) for actor in (policy, PomcpPolicy(pomcp(50)))
         )
         assert again.visits.sum() == 50 and again.values.tolist() == fresh.values.tolist()
 
@@ -171,14 +171,14 @@ def test_a_budget_too_short_for_anything_still_tries_every_action(seconds: float
 def test_a_policy_that_meets_another_problem_starts_with_memory_of_its_own() -> None:
     """Compiled code checks no bounds: a tree of other actions or observations would be read beyond its records."""
     policy, rng = PomcpPolicy(pomcp(50, reuse_tree=True)), np.random.default_rng(3)
-    policy.act(table_belief(random_tables(1, actions=5, states=2, horizon=3, sharp=True), [0.5, 0.5]), rng)
-    other = table_belief(random_tables(2, actions=2, states=7, horizon=3, sharp=True), np.full(7, 1 / 7))
+    policy.act(table_belief(random_tables(1, actions=5, states=2, horizon=3, revealed=True), [0.5, 0.5]), rng)
+    other = table_belief(random_tables(2, actions=2, states=7, horizon=3, revealed=True), np.full(7, 1 / 7))
     decision = policy.act(other, rng)
     assert decision.visits.shape == (2,) and decision.visits.sum() == 50
 
 
 def test_a_search_with_a_time_limit_never_copies_its_tree() -> None:
-    """Its room is there from the start, so that no decision is late because the tree has grown."""
+    """Its memory is there from the start, so that no decision is late because the tree has grown."""
     policy = PomcpPolicy(PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.1, seconds=0.02))
     belief = two_starts(small_model(0.0))
     rng = np.random.default_rng(3)
@@ -188,7 +188,7 @@ def test_a_search_with_a_time_limit_never_copies_its_tree() -> None:
     assert first is not None and policy._tree is first and first.nodes.size > 10 * decision.visits.sum()
 
 
-def test_numbers_that_are_none_of_the_problems_are_refused() -> None:
+def test_indices_that_the_problem_does_not_have_are_refused() -> None:
     belief, rng = two_starts(small_model(0.0)), np.random.default_rng(0)
     for action, observation in ((2, 0), (-1, 0), (0, 2), (0, -1)):
         with pytest.raises(IndexError, match="the problem has 2, numbered from 0"):

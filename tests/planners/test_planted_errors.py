@@ -1,4 +1,4 @@
-"""Do the checks see anything? An error planted in each part of the planner must make one of them fail."""
+"""Do the checks detect errors? An error planted in each part of the planner must make one of them fail."""
 
 from collections.abc import Callable
 from typing import Any
@@ -24,7 +24,7 @@ DESCENTS = 300
 
 
 def check(backup: str, expertise: float = 25.0) -> None:
-    """All that must hold of a tree from one state, seen without error."""
+    """All that must hold for a tree from one state, seen without error."""
     belief = relaxed(small_model(expertise))
     tree = tree_of(belief, pomcp(DESCENTS, 0.02, backup))
     assert_counts(tree, DESCENTS)
@@ -45,20 +45,20 @@ def worst_value(node: Any) -> float:
     return float(node.value[node.tried > 0].min())
 
 
-def mean_over_reaching(_nodes: Any, node: Any, action: int, target: float, _numbers: SearchParameters) -> float:
+def mean_over_reaching(_nodes: Any, node: Any, action: int, target: float, _parameters: SearchParameters) -> float:
     node.value[action] += (target - node.value[action]) / node.visited
     return target
 
 
 def forgetting(back_up: Any) -> Callable[..., float]:
     """A backup that forgets to discount what lies beyond the successor."""
-    return lambda nodes, node, action, target, numbers: (
-        back_up.py_func(nodes, node, action, target, numbers._replace(discount=1.0))
-        / (1 if back_up is back_up_exact else numbers.discount)
+    return lambda nodes, node, action, target, parameters: (
+        back_up.py_func(nodes, node, action, target, parameters._replace(discount=1.0))
+        / (1 if back_up is back_up_exact else parameters.discount)
     )
 
 
-def note_twice(node: Any, _gained: float) -> None:
+def note_twice(node: Any, _discounted_return: float) -> None:
     node.visited += 1
 
 
@@ -126,7 +126,7 @@ def test_an_error_in_the_likelihood_is_seen_in_beliefs(monkeypatch: pytest.Monke
 
 
 def test_an_error_in_what_is_seen_is_noticed_in_searches() -> None:
-    """A search that takes recognition for better or worse than it is: seen from some thousand descents."""
+    """A search with the wrong quality of recognition: it takes a few thousand descents to show."""
     belief = two_workers(NOISY)
     assert_observations_as_likely(tree_of(belief, pomcp(4000, 10.0)), belief)
     wrong = two_workers(NOISY - [[0.05, -0.05], [0.05, -0.05]])

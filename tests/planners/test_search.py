@@ -1,4 +1,4 @@
-"""The search tree: known answers by hand, and what must hold of every tree."""
+"""The search tree: answers worked out by hand, and what must hold for every tree."""
 
 import math
 
@@ -60,7 +60,7 @@ def test_without_future_a_search_is_greedy(backup: str) -> None:
 def test_golden_tree_by_hand() -> None:
     """Three descents in a problem without chance, worked out on paper.
 
-    Descents 1 and 2 try a and b at the root. The third goes on behind the better one (c = 0) and tries
+    Descents 1 and 2 try a and b at the root. The third continues below the better one (c = 0) and tries
     a there. POMCP then holds the mean of the returns r and r + gamma r'; MaxUCT counts the successor's
     current value r' for both visits, and so does the exact backup.
     """
@@ -73,10 +73,10 @@ def test_golden_tree_by_hand() -> None:
     (after_a, r_a), (after_b, r_b) = step(belief.states[0], 0), step(belief.states[0], 1)
     after, r = (after_a, r_a) if r_a >= r_b else (after_b, r_b)
     best = 0 if r_a >= r_b else 1
-    for backup, share in (("mean", 1 / 2), ("max", 1), ("exact", 1)):
+    for backup, fraction in (("mean", 1 / 2), ("max", 1), ("exact", 1)):
         tree = tree_of(belief, pomcp(3, 0.0, backup))
         _, third = step(after, 0)
-        np.testing.assert_allclose(tree.value[0, best], r + model.discount * third * share, rtol=1e-12)
+        np.testing.assert_allclose(tree.value[0, best], r + model.discount * third * fraction, rtol=1e-12)
         np.testing.assert_allclose(tree.value[0, 1 - best], r_b if best == 0 else r_a, rtol=1e-12)
 
 
@@ -88,7 +88,7 @@ def test_max_backup_is_maxuct_everywhere() -> None:
 
 @pytest.mark.parametrize("recognition", [None, NOISY])
 def test_exact_backup_knows_the_chances_everywhere(recognition: np.ndarray | None) -> None:
-    """Every value obeys the exact backup; from one state, seen without error, chance and reward are the model's."""
+    """Every value obeys the exact backup; from one state, seen without error, its means are the model's."""
     assert_exact_everywhere(tree_of(two_starts(small_model(25.0, recognition)), pomcp(400, 0.02, "exact")), 0.95)
     belief = relaxed(small_model(25.0, recognition))
     tree = tree_of(belief, pomcp(400, 0.02, "exact"))
@@ -121,9 +121,9 @@ def test_observations_come_as_often_as_the_belief_says(backup: str) -> None:
 
 def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Where the exact lookahead clearly prefers an action, so does every search with many descents."""
-    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
+    task = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
     rng = np.random.default_rng(4)
-    belief = one.initial_belief("prior", one.model, rng)
+    belief = task.initial_belief("prior", task.model, rng)
     for action in (1, 1, 1):
         belief = belief.update(action, 0, rng)
     exact = [expectimax(belief, a, 5) for a in range(2)]
@@ -137,13 +137,13 @@ def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tu
 @pytest.mark.parametrize("backup", BACKUPS)
 def test_without_chance_two_searches_are_the_same_whatever_the_generator(backup: str) -> None:
     belief = relaxed(small_model(math.inf))
-    one, two = (tree_of(belief, pomcp(300, 0.01, backup), seed) for seed in (1, 2))
-    assert one.tobytes() == two.tobytes()
+    first, second = (tree_of(belief, pomcp(300, 0.01, backup), seed) for seed in (1, 2))
+    assert first.tobytes() == second.tobytes()
 
 
 @pytest.mark.parametrize("backup", BACKUPS)
 def test_an_action_not_tried_does_not_count_as_zero(backup: str) -> None:
-    """All rewards are negative: where one of two actions was tried below, the value is not 0 for the other's sake."""
+    """All rewards are negative: where one of two actions was tried below, the other one does not make the value 0."""
     belief = relaxed(small_model(math.inf))
     tree = tree_of(belief, pomcp(3, 0.0, backup))
     (node,) = (child for a in range(2) for child in children(tree, 0, a) if tree.tried[child].any())

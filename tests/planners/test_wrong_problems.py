@@ -1,4 +1,4 @@
-"""A problem or a belief written in Python whose probabilities are none is refused before anything is planned."""
+"""A problem or belief whose probabilities are not probabilities is refused before anything is planned."""
 
 from dataclasses import replace
 
@@ -47,19 +47,19 @@ WRONG = {
 
 
 @pytest.mark.parametrize("settings", POLICIES, ids=lambda settings: settings["kind"])
-@pytest.mark.parametrize("words", WRONG)
-def test_chances_that_do_not_sum_to_one_are_refused(settings, words) -> None:
-    problem = replace(PROBLEM, dynamics=replace(PROBLEM.dynamics, **WRONG[words]))
+@pytest.mark.parametrize("message", WRONG)
+def test_chances_that_do_not_sum_to_one_are_refused(settings, message) -> None:
+    problem = replace(PROBLEM, dynamics=replace(PROBLEM.dynamics, **WRONG[message]))
     policy = TypeAdapter(AnyPolicy).validate_python(settings).build()
-    with pytest.raises(ProblemError, match=words):
+    with pytest.raises(ProblemError, match=message):
         policy.act(ExactBelief(problem, STATES, np.array([0.5, 0.5])), np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("kind", [ExactBelief, lambda *given: ParticleBelief(*given, log_weights=np.zeros(2))])
 @pytest.mark.parametrize(
-    ("weights", "words"),
+    ("weights", "message"),
     [([1.0, 1.0], "sum to 2, not to 1"), ([1.5, -0.5], "negative"), ([np.nan, 1.0], "nan"), ([1.0], "shape")],
 )
-def test_weights_that_are_none_are_refused(kind, weights, words) -> None:
-    with pytest.raises(ProblemError, match=words):
+def test_weights_that_are_not_probabilities_are_refused(kind, weights, message) -> None:
+    with pytest.raises(ProblemError, match=message):
         kind(PROBLEM, STATES, np.array(weights))

@@ -1,4 +1,4 @@
-"""The exact belief: Bayes' rule by enumeration, and what happens where the model holds an observation impossible."""
+"""The exact belief: Bayes' rule by enumeration, and observations that are impossible under the model."""
 
 import math
 from dataclasses import replace
@@ -44,12 +44,12 @@ def test_belief_in_two_workers_is_bayes_rule_too(recognition: np.ndarray | None)
 
 
 def test_exact_observation_never_grows_the_belief(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    one = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["multiple_novice"])
-    belief = one.initial_belief("prior", one.model, RNG)
+    task = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["multiple_novice"])
+    belief = task.initial_belief("prior", task.model, RNG)
     for cycle in range(30):
         belief = belief.update(cycle % 2, cycle // 3 % 2, RNG)
     assert belief.states.shape[0] == 3
-    np.testing.assert_allclose(belief.weights, [0.2, 0.4, 0.4])  # a novice's choice tells nothing
+    np.testing.assert_allclose(belief.weights, [0.2, 0.4, 0.4])  # a novice's choice reveals nothing
 
 
 def test_an_expert_choice_tells_the_states_apart() -> None:
@@ -63,8 +63,8 @@ def test_an_expert_choice_tells_the_states_apart() -> None:
     assert len(after.weights) == choices.sum() and not after.surprised
 
 
-def test_ways_that_meet_are_counted_as_one_state() -> None:
-    """Where the tables lead all states together, a belief of two states stays one of two."""
+def test_histories_that_meet_are_counted_as_one_state() -> None:
+    """Where the tables lead all states together, a belief of two states stays a belief of two."""
     problem = table_problem(np.full((1, 2, 2), 0.5), np.zeros((1, 2, 2)), np.full((1, 2, 2), 0.5), 9, 1.0)
     belief = table_belief(problem, [0.2, 0.8])
     for _ in range(3):
@@ -74,7 +74,7 @@ def test_ways_that_meet_are_counted_as_one_state() -> None:
 
 
 def unexpected(case: str) -> tuple[ExactBelief, int, np.ndarray]:
-    """A belief, an observation of action 0 that it holds impossible, and the mean state that follows nevertheless.
+    """A belief, an observation after action 0 that is impossible for it, and the mean state that follows nevertheless.
 
     outcome: an expert chooses what he never would, and it is recognised without error
     noisy: the same, but another observation tells nothing of it
@@ -98,15 +98,15 @@ def unexpected(case: str) -> tuple[ExactBelief, int, np.ndarray]:
 
 
 @pytest.mark.parametrize("case", ["outcome", "noisy", "never"])
-def test_an_impossible_observation_never_raises_and_is_told(case: str) -> None:
-    """It is taken for an outcome the worker cannot have chosen but did, else ignored; every policy says so."""
+def test_an_impossible_observation_never_raises_and_is_reported(case: str) -> None:
+    """The worker must have chosen an impossible outcome, or it is ignored; every policy says so."""
     belief, observation, expected = unexpected(case)
     after = belief.update(0, observation, RNG)
     assert after.surprised and after.weights.sum() == pytest.approx(1)
     np.testing.assert_allclose(after.weights @ after.states, expected, rtol=1e-12)
     lookahead = LookaheadPolicy(LookaheadSettings(kind="lookahead", depth=2))
     for policy in (GreedyPolicy(), lookahead, PomcpPolicy(pomcp(20))):
-        assert "the last observation was impossible to the model" in policy.act(after, RNG).reason
+        assert "the last observation was impossible under the model" in policy.act(after, RNG).reason
         assert "impossible" not in policy.act(belief, RNG).reason
     usual = int(belief.model.probabilities(after.states[0], 0).argmax())
     assert not after.update(0, 0 if case == "never" else usual, RNG).surprised

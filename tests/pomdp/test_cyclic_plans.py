@@ -31,19 +31,19 @@ def test_plans_are_all_sequences_that_repeat_no_shorter_one() -> None:
     assert len(plans) == len(set(plans)) == 2 + 2 + 6 + 12 + 30 + 54
     assert (0, 1, 0, 1) not in plans and (0, 0) not in plans and (1, 0) in plans
     assert all_plans(25) == [(a,) for a in range(25)] + [(a, b) for a, b in product(range(25), repeat=2) if a != b]
-    assert len(all_plans(10_000)) == 10_000 > MAX_PLANS  # single actions always
+    assert len(all_plans(10_000)) == 10_000 > MAX_PLANS  # single actions are always plans
 
 
 def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cyclic_plans, "_undominated", lambda values: values)
     model = small_model(0.0)
     values = model.bound_arrays
-    for place, plan in enumerate(all_plans(2)):
+    for index, plan in enumerate(all_plans(2)):
         for fatigue in STARTS:
             padded = np.pad(fatigue, (0, values.square.shape[2] - fatigue.size))
             value = (
-                values.constant[0, place]
-                + ((values.square[0, place] * padded + values.linear[0, place]) * padded).sum()
+                values.constant[0, index]
+                + ((values.square[0, index] * padded + values.linear[0, index]) * padded).sum()
             )
             assert value == pytest.approx(return_of(plan, model, fatigue, 700), rel=1e-12)
 

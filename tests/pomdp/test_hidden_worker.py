@@ -1,6 +1,6 @@
-"""Workers with hidden rates and expertise: their settings, their cycle maps, and what is inferred of them.
+"""Workers with hidden rates and expertise: their settings, their cycle maps, and what is inferred about them.
 
-Random tests of means compare at five standard errors: a false alarm in 6e-7 per number compared.
+Random tests of means compare at five standard errors: a false alarm in 6e-7 per index compared.
 """
 
 import math
@@ -27,7 +27,12 @@ from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
-from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, ExactSettings, ParticleSettings, fitting
+from fatigue_planner.pomdp.beliefs.registry import (
+    MAX_EXACT,
+    ExactSettings,
+    ParticleSettings,
+    default_belief,
+)
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, one_worker
 from fatigue_planner.pomdp.hidden_worker import Distribution, HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import draw
@@ -57,7 +62,9 @@ def in_mind(prior: WorkerPrior, recognition: np.ndarray | None = None) -> Scenar
     """The small problem with a hidden worker, who starts in one of three states."""
     model = small_model(average_worker(prior), recognition)
     states = np.array([model.state(fatigue) for fatigue in STARTS])
-    return Scenario(model, states, np.array([0.2, 0.5, 0.3]), prior, fitting(model.observation_reveals_outcome, prior))
+    return Scenario(
+        model, states, np.array([0.2, 0.5, 0.3]), prior, default_belief(model.observation_reveals_outcome, prior)
+    )
 
 
 def lived(world: FatiguePomdp, state: np.ndarray, cycles: int, seed: int) -> list[tuple[int, int]]:
@@ -78,13 +85,13 @@ def distribution(settings: dict[str, object]) -> Distribution:
 
 
 def test_quantiles() -> None:
-    shares = np.array([0.0, 0.1, 0.2, 0.5, 0.69999, 0.7, 0.999999])
+    levels = np.array([0.0, 0.1, 0.2, 0.5, 0.69999, 0.7, 0.999999])
     choice = distribution({"kind": "choice", "values": (3.0, 1.0, math.inf), "probabilities": (0.5, 0.2, 0.3)})
-    assert choice.quantile(shares).tolist() == [1, 1, 3, 3, 3, math.inf, math.inf]
+    assert choice.quantile(levels).tolist() == [1, 1, 3, 3, 3, math.inf, math.inf]
     uniform = distribution({"kind": "uniform", "from": 2.0, "to": 6.0})
-    np.testing.assert_allclose(uniform.quantile(shares), 2 + 4 * shares)
+    np.testing.assert_allclose(uniform.quantile(levels), 2 + 4 * levels)
     lognormal = distribution({"kind": "lognormal", "median": 7.0, "sigma": 0.4})
-    np.testing.assert_allclose(lognormal.quantile(shares), stats.lognorm(0.4, scale=7.0).ppf(shares), rtol=1e-12)
+    np.testing.assert_allclose(lognormal.quantile(levels), stats.lognorm(0.4, scale=7.0).ppf(levels), rtol=1e-12)
     tenths = distribution({"kind": "choice", "values": tuple(map(float, range(10))), "probabilities": (0.1,) * 10})
     assert tenths.quantile(np.array([1 - 2**-53])).tolist() == [9]
 
@@ -111,8 +118,13 @@ def test_the_belief_that_fits() -> None:
     tenth = {"kind": "choice", "values": [float(v) for v in range(1, 12)], "probabilities": [1 / 11] * 11}
     many = prior_of(fatigue_rate_factor=tenth, recovery_rate_factor=tenth, expertise=tenth)
     assert many.size == 11**3 > MAX_EXACT
-    kinds = [fitting(sharp, p).kind for sharp, p in ((True, None), (True, FINITE), (False, FINITE), (True, many))]
-    assert kinds == ["exact", "exact", "particles", "particles"] and fitting(True, CONTINUOUS).kind == "particles"
+    kinds = [
+        default_belief(revealed, p).kind
+        for revealed, p in ((True, None), (True, FINITE), (False, FINITE), (True, many))
+    ]
+    assert (
+        kinds == ["exact", "exact", "particles", "particles"] and default_belief(True, CONTINUOUS).kind == "particles"
+    )
 
 
 # --- cycle maps ----------------------------------------------------------------------------------------------------
@@ -126,13 +138,13 @@ def test_maps_for_other_rates_are_those_of_eq_2() -> None:
     parameters = FatigueParameters(
         rng.uniform(0.01, 0.5, 78), rng.uniform(0.01, 0.5, 78), np.full(78, 0.2), np.full(78, 10.0)
     )
-    share = np.hstack([np.maximum(torque, 0), np.maximum(-torque, 0)]) / 10
+    load_fraction = np.hstack([np.maximum(torque, 0), np.maximum(-torque, 0)]) / 10
     factors = [(1.0, 1.0), (0.3, 2.0), (4.0, 0.5)]
     gains, offsets = cycle_profile(torque, step, parameters).maps(*np.transpose(factors))
     start = rng.uniform(0, 1, 78)
     for (faster, sooner), gain, offset in zip(factors, gains, offsets, strict=True):
         k, r, f = faster * parameters.fatigue_rate, sooner * parameters.recovery_rate, start.copy()
-        for load in share:
+        for load in load_fraction:
             tires = load > 0.2
 
             def slope(f: np.ndarray, load: np.ndarray = load, tires: np.ndarray = tires) -> np.ndarray:
@@ -150,9 +162,9 @@ def test_maps_for_other_rates_are_those_of_eq_2() -> None:
 def test_every_worker_has_rows_of_its_own() -> None:
     workers = FINITE.support()[0]
     model = small_model(workers)
-    for number in range(6):
-        alone = model.for_workers(workers.pick(np.array([number])))
-        state = model.state(STARTS[0], number)
+    for index in range(6):
+        alone = model.for_workers(workers.pick(np.array([index])))
+        state = model.state(STARTS[0], index)
         for action in range(2):
             probabilities = alone.probabilities(alone.state(STARTS[0]), action)
             np.testing.assert_array_equal(model.probabilities(state, action), probabilities)
@@ -160,7 +172,7 @@ def test_every_worker_has_rows_of_its_own() -> None:
                 ours, cost = model.transition(state, action, reaction)
                 theirs, expected = alone.transition(alone.state(STARTS[0]), action, reaction)
                 np.testing.assert_array_equal(ours[:-1], theirs[:-1])
-                assert ours[-1] == number and cost == expected
+                assert ours[-1] == index and cost == expected
 
 
 # --- beliefs -------------------------------------------------------------------------------------------------------
@@ -168,20 +180,20 @@ def test_every_worker_has_rows_of_its_own() -> None:
 
 def test_exact_belief_over_workers_is_bayes_rule_by_hand() -> None:
     """Product of the probabilities of the reactions seen, worker by worker and start by start."""
-    here = in_mind(FINITE)
-    assert isinstance(here.belief, ExactSettings)
+    task = in_mind(FINITE)
+    assert isinstance(task.belief, ExactSettings)
     rng = np.random.default_rng(0)
-    belief = here.initial_belief("prior", here.model, rng)
+    belief = task.initial_belief("prior", task.model, rng)
     assert len(belief.weights) == 18 and belief.weights.sum() == pytest.approx(1)
     workers, chances = FINITE.support()
-    past = lived(here.worker(np.array([0.9, 0.5, 0.9])), here.states[1], 12, 7)
-    by_hand = np.outer(here.weights, chances)
+    past = lived(task.worker(np.array([0.9, 0.5, 0.9])), task.states[1], 12, 7)
+    by_hand = np.outer(task.weights, chances)
     for start in range(3):
-        for number in range(6):
-            alone = here.model.for_workers(workers.pick(np.array([number])))
-            state = here.states[start]
+        for index in range(6):
+            alone = task.model.for_workers(workers.pick(np.array([index])))
+            state = task.states[start]
             for action, reaction in past:
-                by_hand[start, number] *= alone.probabilities(state, action)[reaction]
+                by_hand[start, index] *= alone.probabilities(state, action)[reaction]
                 state, _ = alone.transition(state, action, reaction)
     for action, reaction in past:
         belief = belief.update(action, reaction, rng)
@@ -203,11 +215,11 @@ def test_particles_find_the_exact_posterior_of_a_finite_prior(recognition: np.nd
 
     30 filters of 500 particles; with noise, all ways the reactions may have gone are enumerated.
     """
-    here = in_mind(FINITE, recognition)
+    task = in_mind(FINITE, recognition)
     rng = np.random.default_rng(2)
-    args = here.model, here.states, here.weights, FINITE
+    args = task.model, task.states, task.weights, FINITE
     exact = ExactSettings(kind="exact").build(*args, rng)
-    past = lived(here.worker(np.array([0.1, 0.5, 0.9])), here.states[1], cycles, 4)
+    past = lived(task.worker(np.array([0.1, 0.5, 0.9])), task.states[1], cycles, 4)
     for action, seen in past:
         exact = exact.update(action, seen, rng)
     estimates = []
@@ -219,8 +231,8 @@ def test_particles_find_the_exact_posterior_of_a_finite_prior(recognition: np.nd
         estimates.append(chances_of_workers(belief))
     truth = chances_of_workers(exact)
     assert truth.sum() == pytest.approx(1) and truth.max() > 0.2
-    told = truth > 0.005
-    assert z_scores(np.array(estimates)[:, told], truth[told]).max() < FALSE_ALARM
+    likely = truth > 0.005
+    assert z_scores(np.array(estimates)[:, likely], truth[likely]).max() < FALSE_ALARM
 
 
 def test_particles_find_the_posterior_of_continuous_parameters() -> None:
@@ -228,32 +240,32 @@ def test_particles_find_the_posterior_of_continuous_parameters() -> None:
 
     40 filters of 500 particles with one start.
     """
-    here = in_mind(CONTINUOUS)
-    past = lived(here.worker(np.array([0.9, 0.2, 0.8])), here.states[1], 40, 11)
+    task = in_mind(CONTINUOUS)
+    past = lived(task.worker(np.array([0.9, 0.2, 0.8])), task.states[1], 40, 11)
     middles = (np.arange(40) + 0.5) / 40
     grid = CONTINUOUS.at(np.stack(np.meshgrid(middles, middles, middles), axis=-1).reshape(-1, 3))
-    states = np.repeat(here.states[1:2], 40**3, axis=0)
+    states = np.repeat(task.states[1:2], 40**3, axis=0)
     states[:, -1] = np.arange(40**3)
     actions, seen = np.array(past).T
     outcomes = np.tile(seen.astype(np.int16), (40**3, 1))
-    log_likelihood = relive(here.model.for_workers(grid).arrays, states, actions, outcomes, 2)
+    log_likelihood = relive(task.model.for_workers(grid).arrays, states, actions, outcomes, 2)
     posterior = np.exp(log_likelihood - log_likelihood.max())
     posterior /= posterior.sum()
 
-    def numbers(workers: Workers) -> np.ndarray:
+    def features(workers: Workers) -> np.ndarray:
         return np.array([np.log(workers[0]), workers[1], np.log(workers[2])])
 
-    truth = numbers(grid) @ posterior
-    before = numbers(grid).mean(axis=1)
-    spread = np.sqrt(np.square(numbers(grid) - truth[:, None]) @ posterior)
+    truth = features(grid) @ posterior
+    before = features(grid).mean(axis=1)
+    spread = np.sqrt(np.square(features(grid) - truth[:, None]) @ posterior)
     assert np.abs(truth - before).max() > 0.5  # there was something to learn
     rng = np.random.default_rng(8)
     estimates = []
     for _ in range(40):
-        belief = HiddenWorkerBelief.start(here.model, np.repeat(here.states[1:2], 500, axis=0), CONTINUOUS, rng)
+        belief = HiddenWorkerBelief.start(task.model, np.repeat(task.states[1:2], 500, axis=0), CONTINUOUS, rng)
         for action, reaction in past:
             belief = belief.update(action, reaction, rng)
-        estimates.append(numbers(belief.workers()) @ belief.weights)
+        estimates.append(features(belief.workers()) @ belief.weights)
     # the filter's own bias, O(1 / particles), and the grid's error are below a fiftieth of the spread
     off = np.abs(np.mean(estimates, axis=0) - truth) - spread / 50
     assert (off < FALSE_ALARM * np.std(estimates, axis=0, ddof=1) / math.sqrt(40)).all()
@@ -266,9 +278,9 @@ def test_rejuvenation_leaves_workers_and_their_pasts_as_they_are_distributed() -
     distribution; rejuvenation must leave them one. Reactions seen through a blind sensor are drawn so, with
     equal weights. Kolmogorov-Smirnov against the prior, false alarm 1e-6 each.
     """
-    here = in_mind(CONTINUOUS, BLIND)
+    task = in_mind(CONTINUOUS, BLIND)
     rng = np.random.default_rng(3)
-    belief = HiddenWorkerBelief.start(here.model, np.repeat(here.states[1:2], 20_000, axis=0), CONTINUOUS, rng)
+    belief = HiddenWorkerBelief.start(task.model, np.repeat(task.states[1:2], 20_000, axis=0), CONTINUOUS, rng)
     for action in (0, 1, 1, 0, 0, 1, 0, 1):
         belief = belief.update(action, 0, rng)
     assert np.ptp(belief.log_weights) < 1e-12
@@ -281,7 +293,7 @@ def test_rejuvenation_leaves_workers_and_their_pasts_as_they_are_distributed() -
         fit, fitted = after.history.log_likelihood, belief.history.log_likelihood
         for ours, theirs in ((fit, fitted), (scale(values) * fit, scale(old) * fitted)):
             assert abs(stats.ttest_rel(ours, theirs).statistic) < FALSE_ALARM
-    # what it says of a particle is what that worker's past comes to
+    # a particle's state and likelihood are those of its worker's past
     states = after.history.start.copy()
     log_likelihood = relive(after.model.arrays, states, after.history.actions, after.history.outcomes, 2)
     np.testing.assert_array_equal(states, after.states)
@@ -289,54 +301,54 @@ def test_rejuvenation_leaves_workers_and_their_pasts_as_they_are_distributed() -
 
 
 def test_expertise_is_inferred_from_reactions() -> None:
-    """After 300 reactions of workers with beta = 2, 10 and 50, each lies among the 300 draws of what is then believed.
+    """After 300 reactions of workers with beta = 2, 10 and 50, each lies within the range of 300 draws from the belief.
 
     The true one of a worker the prior makes lies outside in 2 of 301 cases.
     """
-    here = in_mind(prior_of(expertise={"kind": "lognormal", "median": 10.0, "sigma": 1.5}))
+    task = in_mind(prior_of(expertise={"kind": "lognormal", "median": 10.0, "sigma": 1.5}))
     for beta in (2.0, 10.0, 50.0):
-        world = here.model.for_workers(one_worker(beta))
+        world = task.model.for_workers(one_worker(beta))
         rng = np.random.default_rng(1)
-        belief = here.initial_belief("prior", world, rng)
+        belief = task.initial_belief("prior", world, rng)
         assert isinstance(belief, HiddenWorkerBelief)
         first = np.log(belief.workers().expertise).std()
-        for action, reaction in lived(world, here.states[1], 300, 5):
+        for action, reaction in lived(world, task.states[1], 300, 5):
             belief = belief.update(action, reaction, rng)
             assert not belief.surprised
         believed = np.sort(np.log(belief.resampled(rng).workers().expertise))
         assert believed[0] < math.log(beta) < believed[-1]
         assert believed.std() < 0.6 * first
-        assert len(np.unique(believed)) > 150  # of 300: rejuvenation keeps the workers apart
+        assert len(np.unique(believed)) > 150  # of 300: rejuvenation prevents particle deprivation
 
 
 def test_surprise_widens_to_workers_who_might_have_done_it() -> None:
-    """Experts whose rates are hidden, and only those who would do one thing believed in: they do the other."""
-    here = in_mind(prior_of(math.inf, fatigue_rate_factor=K, recovery_rate_factor=R))
+    """Experts with hidden rates, and a belief only in those who would do one thing: they do the other."""
+    task = in_mind(prior_of(math.inf, fatigue_rate_factor=K, recovery_rate_factor=R))
     rng = np.random.default_rng(0)
-    undecided = here.model.state(np.array([0.1, 0.0, 1.0]))
-    belief = HiddenWorkerBelief.start(here.model, np.repeat(undecided[None], 300, axis=0), here.prior, rng)
+    undecided = task.model.state(np.array([0.1, 0.0, 1.0]))
+    belief = HiddenWorkerBelief.start(task.model, np.repeat(undecided[None], 300, axis=0), task.prior, rng)
     chosen = np.array([belief.model.probabilities(state, 1)[0] for state in belief.states])
     assert 30 < chosen.sum() < 270
     with np.errstate(divide="ignore"):
         sure = replace(belief, weights=chosen / chosen.sum(), log_weights=np.log(chosen))
     after = sure.update(1, 1, rng)
     assert after.surprised and after.effective_size() == pytest.approx(300)
-    of_today = here.model.for_workers(after.workers())
+    of_today = task.model.for_workers(after.workers())
     would = [of_today.probabilities(start, 1)[1] for start in after.history.start]
     assert np.mean(would) > 0.05  # none of them before
     decision = GreedyPolicy().act(after, rng)
-    assert "impossible to the model" in decision.reason
+    assert "impossible under the model" in decision.reason
 
 
 def test_knowledge_decides_the_belief() -> None:
-    here = in_mind(CONTINUOUS)
-    world = here.worker(np.array([0.3, 0.6, 0.9]))
+    task = in_mind(CONTINUOUS)
+    world = task.worker(np.array([0.3, 0.6, 0.9]))
     rng = np.random.default_rng(0)
-    average, truth = here.initial_belief("average", world, rng), here.initial_belief("truth", world, rng)
+    average, truth = task.initial_belief("average", world, rng), task.initial_belief("truth", world, rng)
     assert isinstance(average, ExactBelief) and isinstance(truth, ExactBelief)
-    assert truth.model is world and average.model is here.model
+    assert truth.model is world and average.model is task.model
     np.testing.assert_array_equal(world.workers, [v[[0]] for v in CONTINUOUS.at(np.array([[0.3, 0.6, 0.9]]))])
-    assert not here.leaves_nothing_to_chance()
+    assert not task.leaves_nothing_to_chance()
     noisy = in_mind(FINITE, NOISY)
     world = noisy.worker(np.array([0.3, 0.6, 0.9]))
     for knows in ("prior", "average", "truth"):
@@ -400,13 +412,13 @@ WHO = "hidden_workers.someone"
         ("from: 0.5, to: 2.0", "from: 2.0, to: 0.5", f"{WHO}.recovery_rate_factor: from (2) should be less than to (0"),
         ("from: 0.5, to: 2.0", "from: 1, to: 1", f"{WHO}.recovery_rate_factor: from (1) should be less than to (1)."),
         ("from: 0.5, to: 2.0", "from: -1, to: 1", f"{WHO}.recovery_rate_factor.from = -1: input should be greater"),
-        ("from: 0.5, to: 2.0", "from: 0, to: 1", f"{WHO}.recovery_rate_factor: 0 is no factor of a rate: above 0, 10"),
+        ("from: 0.5, to: 2.0", "from: 0, to: 1", f"{WHO}.recovery_rate_factor: 0 is not a usable factor: it must be"),
         ("from: 0.5, to: 2.0", "from: 0.5, to: .nan", f"{WHO}.recovery_rate_factor.to = nan: input should be a finite"),
         ("from: 0.5, to: 2.0", "from: 0.5, to: .inf", f"{WHO}.recovery_rate_factor.to = inf: input should be a finite"),
         ("from: 0.5, to: 2.0", "from: 0.5", f"{WHO}.recovery_rate_factor.to: is missing."),
         ("from: 0.5, to: 2.0", "first: 0.5, to: 2", f"{WHO}.recovery_rate_factor.first: unknown key"),
         (R_TEXT, "{kind: choice, values: [1, .inf], probabilities: [0.5, 0.5]}",
-         f"{WHO}.recovery_rate_factor: inf is no factor of a rate: above 0, 1000 at most."),
+         f"{WHO}.recovery_rate_factor: inf is not a usable factor: it must be above 0 and at most 1000."),
         ("sigma: 0.45", "sigma: 0", f"{WHO}.fatigue_rate_factor.sigma = 0: input should be greater than 0."),
         ("sigma: 0.45", "sigma: .nan", f"{WHO}.fatigue_rate_factor.sigma = nan: "),
         ("sigma: 0.45", "sigma: 100", f"{WHO}.fatigue_rate_factor.sigma = 100: input should be less than or equal to"),
@@ -429,7 +441,7 @@ WHO = "hidden_workers.someone"
          "belief.kind: exact needs reactions recognised without error; use particles."),
         ("belief: {kind: particles, count: 40}", "belief: {kind: particles}", "belief.count: is missing."),
         ("count: 40", "count: 0", "belief.count = 0: input should be greater than or equal to 1."),
-        ("count: 40", "number: 40", "belief.number: unknown key"),
+        ("count: 40", "index: 40", "belief.index: unknown key"),
         ("kind: particles", "kind: kalman", "belief.kind = 'kalman': should be one of 'exact', 'particles'."),
     ],
 )  # fmt: skip
@@ -470,27 +482,27 @@ def test_runs_are_the_same_with_any_number_of_jobs(tmp_path: Path) -> None:
     few = ParticleSettings(kind="particles", count=30)
     cells = [
         Cell(name, 6, "search", search, replace(known, belief=few), 7, 10)
-        for name, known in (("noisy", in_mind(CONTINUOUS, NOISY)), ("sharp", in_mind(CONTINUOUS)))
+        for name, known in (("noisy", in_mind(CONTINUOUS, NOISY)), ("revealed", in_mind(CONTINUOUS)))
     ]
-    here = [cell.run(range(10)) for cell in cells]
+    in_process = [cell.run(range(10)) for cell in cells]
     elsewhere, _ = run_grid(cells, tmp_path, LocalProcesses(2), lambda cell, n: None)
-    one, two = (trial_table(cells, results)[OUTCOMES].to_numpy() for results in (here, elsewhere))
-    np.testing.assert_array_equal(one, two)
-    assert len(np.unique(one[:, 0])) == 20
+    serial, parallel = (trial_table(cells, results)[OUTCOMES].to_numpy() for results in (in_process, elsewhere))
+    np.testing.assert_array_equal(serial, parallel)
+    assert len(np.unique(serial[:, 0])) == 20
 
 
 def test_a_condition_of_the_papers_task(tmp_path: Path, reactions: tuple[Reaction, ...]) -> None:
-    """From file to scenario: live entries, observations, prior."""
+    """From file to scenario: active entries, observations, prior."""
     experiment = load_experiment(write(tmp_path / "mine.yaml"))
     condition = experiment.benchmark.conditions["single_novice"]
-    here = scenario(experiment, cycle_profiles(experiment, reactions), condition)
+    task = scenario(experiment, cycle_profiles(experiment, reactions), condition)
     assert (
-        here.prior is not None
-        and not here.model.observation_reveals_outcome
-        and here.model.observations == ("arm", "back", "unclear")
+        task.prior is not None
+        and not task.model.observation_reveals_outcome
+        and task.model.observations == ("arm", "back", "unclear")
     )
-    assert here.model.workers.expertise.tolist() == [5000.0] and here.belief.kind == "particles"
-    belief = here.initial_belief("prior", here.model, np.random.default_rng(0))
+    assert task.model.workers.expertise.tolist() == [5000.0] and task.belief.kind == "particles"
+    belief = task.initial_belief("prior", task.model, np.random.default_rng(0))
     assert len(belief.states) == 40
     for observation in (0, 2, 1, 2):
         belief = belief.update(1, observation, np.random.default_rng(1))
@@ -510,14 +522,14 @@ def test_the_experiment_is_what_its_file_says(paper: Experiment, reactions: tupl
     profiles = cycle_profiles(experiment, reactions)
     sizes = {}
     for name, condition in experiment.benchmark.conditions.items():
-        here = scenario(experiment, profiles, condition)
+        task = scenario(experiment, profiles, condition)
         world = draw_random_numbers(1, name, 3, 0)
-        truth = here.worker(world.worker)
+        truth = task.worker(world.worker)
         sizes[name] = [
-            len(here.initial_belief(k, truth, np.random.default_rng(0)).weights) for k in ("prior", "average", "truth")
+            len(task.initial_belief(k, truth, np.random.default_rng(0)).weights) for k in ("prior", "average", "truth")
         ]
         for settings in policies.values():
-            cell = Cell(name, 3, "any", settings, here, 1, 1)
+            cell = Cell(name, 3, "any", settings, task, 1, 1)
             (result,) = cell.run([0]).values()
             assert -0.1 < result.discounted_return < 0
     assert sizes == {"hidden_rates": [9, 1, 1], "hidden_expertise": [3, 1, 1], "all_hidden": [81, 3, 3]}

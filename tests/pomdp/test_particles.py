@@ -23,7 +23,7 @@ ENTRIES = 3
 
 
 def small_model(workers: Workers, recognition: np.ndarray | None = None) -> FatiguePomdp:
-    """Two actions with two preferences each, which tire and rest three entries at random, twice a cycle."""
+    """Two actions with two preferences each, which tire and rest three entries at random, twice per cycle."""
     rng = np.random.default_rng(4)
     profiles = {}
     for pair in product("ab", "xy"):
@@ -46,7 +46,7 @@ def particles(model: FatiguePomdp, weights: np.ndarray) -> ParticleBelief:
 
 
 def z_scores(estimates: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    """How many standard errors the means of independent estimates (runs, numbers) are off."""
+    """By how many standard errors the means of independent estimates (runs, quantities) are off."""
     return np.abs(estimates.mean(axis=0) - truth) / (estimates.std(axis=0, ddof=1) / math.sqrt(len(estimates)))
 
 
@@ -81,7 +81,7 @@ def test_effective_size_by_hand() -> None:
 
 
 def test_systematic_resampling_is_unbiased_and_even() -> None:
-    """A particle of weight w has n w offspring on average, and never one more or less than that."""
+    """A particle of weight w has n w offspring on average, and never differs from that by 1 or more."""
     weights = np.array([0.0, 0.05, 0.3, 0.0, 0.41, 0.24, 0.0])
     belief = particles(small_model(one_worker(0.0)), weights)
     rng = np.random.default_rng(1)
@@ -97,9 +97,9 @@ def test_systematic_resampling_is_unbiased_and_even() -> None:
 
 
 def test_long_histories_of_unlikely_observations_do_not_underflow() -> None:
-    """Likelihoods of 1e-200 a cycle weigh as their ratios do: 60 cycles come to 1e-12000."""
+    """Likelihoods of 1e-200 per cycle count by their ratios: 60 cycles amount to 1e-12000."""
     unlikely = np.array([[1.0, 1e-200], [1.0, 3e-200]])
-    likely = np.array([[0.8, 0.2], [0.4, 0.6]])  # the same ratio of being seen as y
+    likely = np.array([[0.8, 0.2], [0.4, 0.6]])  # the same ratio of the probabilities of y
     beliefs = []
     for recognition in (unlikely, likely):
         model, rng = small_model(one_worker(10.0), recognition), np.random.default_rng(3)
@@ -149,7 +149,7 @@ def test_impossible_reactions_never_raise(expertise: float) -> None:
 
 
 def test_an_observation_no_reaction_leads_to_is_ignored() -> None:
-    """Recognised as something that cannot be: the belief is what it would be without looking."""
+    """An impossible recognition: the belief is what it would be without an observation."""
     never = np.array([[0.7, 0.3, 0.0], [0.2, 0.8, 0.0]])
     model = small_model(one_worker(5.0), never)
     model = replace(model, observations=("x", "y", "never"))
@@ -174,7 +174,7 @@ def test_an_impossible_reaction_noisily_recognised_widens_the_belief() -> None:
 
 
 def test_exact_belief_forgets_no_state_that_is_possible() -> None:
-    """2000 choices of an expert make a novice unlikely as 2^-2000; the first other choice shows it is one."""
+    """2000 choices of an expert give a novice a probability of 2^-2000; the first other choice reveals a novice."""
     model = small_model(Workers(np.ones(2), np.ones(2), np.array([math.inf, 0.0])))
     states = np.array([model.state(STARTS[0], worker) for worker in (0, 1)])
     belief, rng = ExactBelief(model, states, np.array([0.5, 0.5])), np.random.default_rng(0)

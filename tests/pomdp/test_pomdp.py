@@ -1,4 +1,4 @@
-"""The fatigue POMDP: preference choice, reward, live entries, initial beliefs."""
+"""The fatigue POMDP: preference choice, reward, active entries, initial beliefs."""
 
 import math
 from itertools import product
@@ -55,11 +55,11 @@ def test_choice_does_not_depend_on_a_common_cost() -> None:
     np.testing.assert_allclose(choice_probabilities(COSTS + 1e6, 3), choice_probabilities(COSTS, 3), rtol=1e-8)
 
 
-def test_live_entries_change_nothing(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    """Cost, reward and choice from the live entries are those from all 78."""
+def test_active_entries_change_nothing(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """Cost, reward and choice from the active entries are those from all 78."""
     condition = paper.benchmark.conditions["multiple_novice"].model_copy(update={"expertise": 50.0})
-    one = scenario(paper, cycle_profiles(paper, reactions), condition)
-    model, state = one.model, one.states[1]
+    task = scenario(paper, cycle_profiles(paper, reactions), condition)
+    model, state = task.model, task.states[1]
     assert model.entries == 78 and len(model.active_entries) < 40
     assert state.size == len(model.active_entries) + -len(model.active_entries) % LANES + 1
     parameters = fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
@@ -118,8 +118,8 @@ def test_no_entry_that_is_never_loaded_changes_anything() -> None:
         np.testing.assert_allclose(trees[0][name], trees[1][name], rtol=1e-12, err_msg=name)
 
 
-def test_the_maps_of_one_worker_and_of_two_are_stored_alike() -> None:
-    """Row by row, as the kernels read them: another order would be slower, and compiled once more."""
+def test_the_maps_of_one_worker_and_of_two_have_the_same_layout() -> None:
+    """Row by row, as the kernels read them: another order would be slower, and compiled again."""
     for model in (small_model(0.0), two_workers().model):
         assert model.arrays.gain.flags.c_contiguous and model.arrays.offset.flags.c_contiguous
 

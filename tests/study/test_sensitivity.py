@@ -1,4 +1,4 @@
-"""Sensitivity studies: what a file may say, the points it stands for, and what is made of their results."""
+"""Sensitivity studies: what a file may contain, the points of a study, and what follows from their results."""
 
 import json
 import re
@@ -28,13 +28,13 @@ from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.evaluation import Judgements
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.claims.relations import ClaimJudgement
-from fatigue_planner.study.sensitivity.conclusions import lessons
+from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.design import Point, design
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table, paired_gain
-from fatigue_planner.study.sensitivity.importance import importance_table, p_values, shares
+from fatigue_planner.study.sensitivity.importance import explained_variance, importance_table, p_values
 from fatigue_planner.study.sensitivity.reactions import react, unique_requests
-from fatigue_planner.study.sensitivity.robustness import claim_table, judge, reproduced_share
+from fatigue_planner.study.sensitivity.robustness import claim_table, judge, reproduced_fraction
 from fatigue_planner.study.sensitivity.run import StudyGrid
 from fatigue_planner.study.sensitivity.study import Study, load_study
 
@@ -116,9 +116,9 @@ def study(tmp_path: Path) -> Study:
         (choice(a={"discount": 0.9}, b={}), "levels.b: all levels must give the same keys"),
         (one_factor(kind="wheel"), "factors.own.kind = 'wheel': should be one of 'range', 'scale', 'choice'"),
         ({"factors": STUDY["factors"] | {"again": STUDY["factors"]["rollout"]}},
-         "is changed by factor 'rollout' already"),
+         "is already changed by factor 'rollout'"),
         ({"planners": ["planing"]}, "planners: planing; known are alternating"),
-        ({"baselines": ["planning"]}, "'planning' is among the planners, too"),
+        ({"baselines": ["planning"]}, "'planning' is also among the planners"),
         ({"headline": STUDY["headline"] | {"n_cycles": 7}}, "headline.n_cycles: 7; known are 5"),
         ({"space_filling": {"points": 12, "seed": 1}}, "points = 12: should be a power of two"),
         ({"grid": STUDY["grid"] | {"policies": ["best"]}}, "grid.policies: best; known are random"),
@@ -147,14 +147,14 @@ def test_a_part_of_a_key_taken_by_another_factor_is_refused(tmp_path: Path) -> N
     }
     part = {"kind": "range", "keys": [f"{key}.elbow_flexion"], "from": 5, "to": 20, "reason": "test"}
     for factors in ({"whole": whole, "part": part}, {"part": part, "whole": whole}):
-        with pytest.raises(ExperimentError, match="is changed by factor"):
+        with pytest.raises(ExperimentError, match="is already changed by factor"):
             load_study(write(tmp_path, {"factors": factors}))
 
 
 def test_the_base_point_is_the_base_experiment(
     study: Study, paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
-    """Same reactions, and same cells as the paper's where the grid has them: what is stored of one is the other's."""
+    """Same reactions, and same cells as the paper's where the grid has them, so that stored results are found again."""
     base = design(study)[0]
     assert base.design == "base" and base.experiment is not None
     assert [r.digest for r in reaction_requests(base.experiment)] == [r.digest for r in reaction_requests(paper)]
@@ -175,8 +175,8 @@ def test_every_level_occurs_alone_and_the_combinations_fill_the_space(tmp_path: 
         assert sorted(map(str, [*alone, own])) == sorted({str(level) for level in [*factor.all_levels(), own]})
     combined = [point for point in points if point.design == "space filling"]
     rates = np.array([point.levels["rate"] for point in combined], dtype=float)
-    places = np.log(rates / 0.5) / np.log(4)
-    assert np.histogram(places, bins=16, range=(0, 1))[0].tolist() == [1] * 16  # one in each sixteenth
+    positions = np.log(rates / 0.5) / np.log(4)
+    assert np.histogram(positions, bins=16, range=(0, 1))[0].tolist() == [1] * 16  # one in each sixteenth
     assert [sum(point.levels["rollout"] == level for point in combined) for level in ("none", "random")] == [8, 8]
     assert points == design(study)
     other = load_study(write(tmp_path, {"space_filling": {"points": 16, "seed": 2}}))
@@ -223,12 +223,12 @@ def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, own_cache
     assert "together measure" in points[3].reason
     reacted = react(points, ReactionCache(own_cache), LocalProcesses(2), lambda _: None, "again")
     assert len(reacted) == len(points)
-    assert [one.profiles is None for one in reacted] == [False, True, True, True]
+    assert [result.profiles is None for result in reacted] == [False, True, True, True]
     assert "average_man/high/" in reacted[1].reason and reacted[3].reason == points[3].reason
     assert set(StudyGrid(reacted).of_point) == {"base"}
 
 
-def test_a_simulation_that_kills_its_workers_says_nothing_of_a_point(study: Study, tmp_path: Path) -> None:
+def test_a_simulation_that_kills_its_workers_says_nothing_about_a_point(study: Study, tmp_path: Path) -> None:
     class Deadly(LocalProcesses):
         def run(self, work: Any, items: Any) -> Any:
             return ((index, Lost("its worker died")) for index in range(len(items)))
@@ -241,10 +241,12 @@ def test_reactions_and_cells_in_common_are_made_once(study: Study, own_cache: Pa
     points = design(study)
     assert len(unique_requests(points)) == 4  # no factor of this study changes a motion
     heard: list[bool] = []
-    reacted = react(points, ReactionCache(own_cache), LocalProcesses(1), lambda one: heard.append(one.found), "again")
+    reacted = react(
+        points, ReactionCache(own_cache), LocalProcesses(1), lambda outcome: heard.append(outcome.found), "again"
+    )
     assert heard == [True] * 4
     grid = StudyGrid(reacted)
-    assert all(len(places) == 4 for places in grid.of_point.values())
+    assert all(len(indices) == 4 for indices in grid.of_point.values())
     policies = [cell.policy for cell in grid.cells]
     rates = {point.experiment.fatigue.fatigue_rate_per_s for point in points if point.experiment is not None}
     assert policies.count("greedy") == len(rates) < len(points)  # only the rate matters to it
@@ -280,36 +282,38 @@ def test_gain_table_pairs_the_trials() -> None:
     assert leaders.loc[0, "policy"] == "plan" and leaders.loc[0, "mean_cost"] == 1.5
 
 
-def test_shares_of_a_function_that_is_known() -> None:
-    """y = 3 a + b with independent, uniform a and b: shares 9/10 and 1/10; 2 c^2 has all of its own."""
+def test_explained_variance_of_a_known_function() -> None:
+    """y = 3 a + b with independent, uniform a and b: they explain 9/10 and 1/10; c explains all of 2 c^2."""
     rng = np.random.default_rng(0)
     a, b, c = rng.uniform(-1, 1, (3, 4000))
     values = np.column_stack([3 * a + b, 2 * c**2, np.ones(4000)])
-    own = [shares(np.column_stack([x, x**2]), values, random_stream(0, "x")) for x in (a, b, c)]
+    own = [explained_variance(np.column_stack([x, x**2]), values, random_stream(0, "x")) for x in (a, b, c)]
     assert own[0][0, 0] == pytest.approx(0.9, abs=0.02) and own[1][0, 0] == pytest.approx(0.1, abs=0.02)
     assert own[2][0, 1] == pytest.approx(1.0) and own[2][0, 0] == pytest.approx(0.0, abs=0.002)
     assert np.isnan(own[0][:, 2]).all()  # nothing varies
     assert own[1][1, 0] < own[1][0, 0] < own[1][2, 0]
 
 
-def test_shares_of_names_are_the_adjusted_correlation_ratio() -> None:
+def test_explained_variance_of_names_is_the_adjusted_correlation_ratio() -> None:
     factor = ChoiceSettings(kind="choice", reason="test", levels={"p": {"k": 1}, "q": {"k": 2}, "unused": {"k": 3}})
     levels, values = ["p", "q", "p", "q", "p", "q"], np.array([1.0, 5, 2, 4, 3, 6])
     within = np.var([1, 2, 3]) * 3 + np.var([5, 4, 6]) * 3
     expected = 1 - within / (np.var(values) * 6) * 5 / 4
-    assert shares(factor.regressors(levels), values[:, None], random_stream(0, "x"))[0, 0] == pytest.approx(expected)
+    assert explained_variance(factor.regressors(levels), values[:, None], random_stream(0, "x"))[0, 0] == pytest.approx(
+        expected
+    )
 
 
 def test_a_factor_without_effect_explains_nothing_in_the_mean() -> None:
-    """20 points are few, but the adjustment takes off what a parabola explains by chance."""
+    """20 points are few, but the adjustment subtracts what a parabola explains by chance."""
     rng = np.random.default_rng(1)
     x = np.linspace(-1, 1, 20)
-    found = shares(np.column_stack([x, x**2]), rng.normal(size=(20, 400)), random_stream(0, "x"))[0]
+    found = explained_variance(np.column_stack([x, x**2]), rng.normal(size=(20, 400)), random_stream(0, "x"))[0]
     assert abs(found.mean()) < 4 * found.std() / 20 and (found < 0).any()
 
 
 def test_naming_a_factor_by_chance_is_rare_however_many_there_are() -> None:
-    """Nothing has an effect: over 300 responses the least of 12 p-values is below 10 % in about 10 % of the cases."""
+    """Without effects, the smallest of 12 p-values is below 10 % in about 10 % of 300 responses."""
     rng = np.random.default_rng(2)
     designs = [np.column_stack([x, x**2]) for x in rng.uniform(-1, 1, (12, 16))]
     noise = rng.normal(size=(16, 300))
@@ -326,7 +330,7 @@ SPAN = {"reason": "test", "from": 0.0, "to": 1.0}
 
 @pytest.fixture
 def synthetic() -> tuple[list[Point], pd.DataFrame, dict[str, RangeSettings]]:
-    """Gains of 0.1 strong + 0.01 weak over 32 combinations, and alone."""
+    """Gains of 0.1 strong + 0.01 weak over 32 combinations, and one at a time."""
     factors = {
         name: RangeSettings.model_validate({"kind": "range", "keys": (name,), **SPAN}) for name in ("weak", "strong")
     }
@@ -385,11 +389,11 @@ def sentences(study: Study, synthetic: Any, gains: pd.DataFrame, claims: pd.Data
     points, _, factors = synthetic
     importance = importance_table(points, gains, factors, seed=1)
     leaders = pd.DataFrame({"point": ["c1", "c2"], "policy": ["greedy", "planning"]})
-    return lessons(study.settings, points, gains, importance, leaders, claims, study.base.statistics)
+    return conclusions(study.settings, points, gains, importance, leaders, claims, study.base.statistics)
 
 
 def test_ranks_see_what_two_large_gains_hide(synthetic: Any) -> None:
-    """A factor moves the gain everywhere; elsewhere two combinations gain a hundred times as much, by chance."""
+    """A factor moves the gain everywhere; in a second table, two combinations gain a hundred times as much."""
     points, gains, factors = synthetic
     calm = importance_table(points, gains, factors, seed=1)
     combined = [point.name for point in points if point.design == "space filling"]
@@ -406,19 +410,23 @@ def test_five_sentences_follow_from_the_tables(study: Study, synthetic: Any) -> 
     gains = synthetic[1]
     text = sentences(study, synthetic, gains)
     assert len(text) == 5
-    assert "can perform 32; planning is significantly better than greedy in 32 of 32 and worse in 0" in text[0]
+    assert (
+        "can perform 32 of 32 combinations of all 3 settings; planning is significantly better than greedy in 32 of 32"
+        in text[0]
+    )
     assert "planning is significantly better than alternating in 32" in text[1].lower()
-    assert "might: over greedy strong 9" in text[2] and "strong (by 10 % of the cost, 0 to 1)" in text[2]
-    assert text[4] == "Of all policies, the least mean cost has greedy in 1, planning in 1 of 2 cells."
+    assert "would: over greedy strong 9" in text[2] and "strong (by 10 % of the cost, 0 to 1)" in text[2]
+    assert text[4] == "The policy with the lowest mean cost is greedy in 1, planning in 1 of 2 cells."
     gone = gains[~gains["point"].isin(["c1", "c2"])].copy()
     gone.loc[gone["point"] == "c3", "verdict"] = "worse"
     changed = sentences(study, synthetic, gone)
-    assert "can perform 30; planning is significantly better than greedy in 29 of 30 and worse in 1" in changed[0]
+    assert "can perform 30 of 32" in changed[0]
+    assert "planning is significantly better than greedy in 29 of 30 and worse in 1" in changed[0]
     most = gains[gains["point"].str.startswith("c")].sort_values("gain").iloc[-1]
-    assert f"the largest gain is at {most['point']}," in text[3] and brief_percent(most["gain"]) in text[3]
+    assert f"the largest gain is {brief_percent(most['gain'])} (" in text[3] and f"at {most['point']}," in text[3]
     alone = gains[~gains["point"].str.startswith("c")]
     assert sentences(study, synthetic, alone) == [
-        "Of 32 combinations of all 3 settings the digital human can perform 0, so there is nothing to compare."
+        "The digital human can perform 0 of 32 combinations of all 3 settings, so there is nothing to compare."
     ]
 
 
@@ -434,11 +442,11 @@ def test_claims_are_counted_over_points(study: Study, synthetic: Any) -> None:
         ("second", "modern", "reproduced"): 1, ("first", "paper", "not reproduced"): 2,
         ("second", "paper", "not reproduced"): 2,
     }  # fmt: skip
-    assert reproduced_share(claims).to_dict() == {"first": 1.0, "second": 0.5}
+    assert reproduced_fraction(claims).to_dict() == {"first": 1.0, "second": 0.5}
     last = sentences(study, synthetic, synthetic[1], claims)[-1]
     assert last == (
-        "Of 2 claims of the paper 1 are reproduced at more than half of the 2 settings tried and 0 at none; the most "
-        "robust, first, is at 100 %."
+        "Of the paper's 2 claims, 1 are reproduced at more than half of the 2 settings tried and 0 at none; the most "
+        "robust, first, is reproduced at 100 % of them."
     )
 
 
@@ -461,32 +469,32 @@ def test_the_command_resumes_and_ends_in_the_same_bytes_also_over_dask(tmp_path:
     base.write_text(PAPER.read_text().replace("descents: 5000", "descents: 20"))
     path = write(tmp_path, {"factors": few, "base": "paper.yaml"})
     runs = {}
-    with cluster(tmp_path / "dask") as there:
-        ways = {"one": ["--jobs", 1], "two": ["--jobs", 2], "dask": ["--dask", there.address]}
+    with cluster(tmp_path / "dask") as dask:
+        executors = {"one": ["--jobs", 1], "two": ["--jobs", 2], "dask": ["--dask", dask.address]}
         results = {
             name: fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name, *options)
-            for name, options in ways.items()
+            for name, options in executors.items()
         }
     for name, done in results.items():
         assert done.returncode == 0, done.stderr
-        assert done.stdout.startswith("1. Of 4 combinations of all 3 settings")
+        assert done.stdout.startswith("1. The digital human can perform ")
         assert " different cells, " in done.stderr and " decisions left: about " in done.stderr
         folder = tmp_path / name / "tiny"
         runs[name] = {
             file.relative_to(folder): file.read_bytes() for file in folder.rglob("*.*") if "parts" not in file.parts
         }
-        if name == "one":  # half of what was done is lost
+        if name == "one":  # half of the finished work is lost
             for part in sorted((folder / "parts").iterdir())[::2]:
                 for file in part.iterdir():
                     file.unlink()
             again = fatplan("sensitivity", path, "--cache", own_cache, "--results", tmp_path / name)
             assert again.returncode == 0 and again.stdout == done.stdout
             assert runs[name] == {file: (folder / file).read_bytes() for file in runs[name]}
-    page = Path("report.html")  # it names the folder in the command that makes it again
-    one = str(tmp_path / "one").encode()
-    assert one in runs["one"][page]
+    page = Path("report.html")  # it contains the command that makes it, which names the folder
+    folder_name = str(tmp_path / "one").encode()
+    assert folder_name in runs["one"][page]
     for name in ("two", "dask"):
-        assert runs["one"] | {page: runs["one"][page].replace(one, str(tmp_path / name).encode())} == runs[name]
+        assert runs["one"] | {page: runs["one"][page].replace(folder_name, str(tmp_path / name).encode())} == runs[name]
     files = {str(file) for file in runs["one"]}
     assert {
         "report.html",
@@ -509,8 +517,8 @@ def test_claims_at_a_point_are_judged_as_in_their_experiment(paper: Experiment) 
     for condition in paper.benchmark.conditions:
         for n_cycles in paper.benchmark.n_cycles:
             world = rng.normal(size=8)
-            for place, policy in enumerate([*paper.benchmark.policies, "oracle"]):
-                runs = -10 + 0.1 * world - 0.2 * place + 0.05 * rng.normal(size=8) + 5 * (policy == "oracle")
+            for index, policy in enumerate([*paper.benchmark.policies, "oracle"]):
+                runs = -10 + 0.1 * world - 0.2 * index + 0.05 * rng.normal(size=8) + 5 * (policy == "oracle")
                 rows += [(condition, n_cycles, policy, trial, False, value) for trial, value in enumerate(runs)]
     columns = ["condition", "n_cycles", "policy", "trial", "deterministic", "discounted_return"]
     table = pd.DataFrame(rows, columns=columns)

@@ -1,4 +1,4 @@
-"""Kernels as plain Python, with other parts in them: for parts with planted errors, without compiling any."""
+"""Kernels run as plain Python with other parts, for planted errors without compilation."""
 
 from collections.abc import Callable
 from types import FunctionType
@@ -14,7 +14,7 @@ from fatigue_planner.pomdp.beliefs import exact
 
 
 def interpreted(kernel: Any, **parts: Any) -> FunctionType:
-    """A copy of a compiled function that Python runs, and all it calls; `parts` by name in place of its own."""
+    """A copy, run by Python, of a compiled function and all it calls; `parts` replace functions by name."""
     plain = getattr(kernel, "py_func", kernel)
     names = dict(plain.__globals__)
     for name in plain.__code__.co_names:

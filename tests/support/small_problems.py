@@ -1,4 +1,4 @@
-"""Problems small enough to be solved exactly, and searches of them: what the tests of the planners share."""
+"""Problems small enough to be solved exactly, and searches of them, for the tests of the planners."""
 
 import math
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from fatigue_planner.pomdp.boltzmann import normalise_choice
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, build_pomdp, one_worker
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp
 
-# --- fatigue, made up -------------------------------------------------------------------------------------------
+# --- artificial fatigue -------------------------------------------------------------------------------------------
 
 NOISY = np.array([[0.8, 0.2], [0.3, 0.7]])
 STARTS = np.array([[0.1, 0.6, 0.2], [0.4, 0.1, 0.3]])
@@ -33,7 +33,7 @@ def choice_probabilities(costs: np.ndarray, expertise: float) -> np.ndarray:
 
 
 def small_profiles() -> dict[tuple[str, str], CycleProfile]:
-    """Two actions, two preferences, three entries of which each reaction tires and rests each."""
+    """Two actions, two preferences, three entries, all of which tire and rest in every reaction."""
     rng = np.random.default_rng(3)
     rates = np.full(3, 0.01667), np.full(3, 0.04)
     zeros = np.zeros((1, 3))
@@ -44,7 +44,7 @@ def small_profiles() -> dict[tuple[str, str], CycleProfile]:
 
 
 def small_model(expertise: float, recognition: np.ndarray | None = None) -> FatiguePomdp:
-    """The made-up task; its worker's choices are chance but for an expert's."""
+    """The made-up task; its worker's choices are random unless he is an expert."""
     return build_pomdp("ab", "xy", small_profiles(), np.zeros((1, 3)), one_worker(expertise), 0.95, recognition)
 
 
@@ -102,7 +102,7 @@ def table_see(tables: Tables, state: np.ndarray, action: int, _outcome: int, obs
 
 @compiled
 def table_bound(tables: Tables, state: np.ndarray) -> float:
-    """Some number that depends on the state (it need not bound anything for the tests)."""
+    """A number that depends on the state (for the tests it need not be a bound)."""
     return -0.5 * state[0] - state[1]
 
 
@@ -156,12 +156,12 @@ def tiger_with_an_end(horizon: int, hears_right: float = 0.85) -> Pomdp:
     return table_problem(move, np.repeat(doors[:, :, None], 2, axis=2), np.array([even, even, hears]), horizon, 0.95)
 
 
-def random_tables(seed: int, actions: int, states: int, horizon: int, sharp: bool) -> Pomdp:
-    """A problem made of random tables; `sharp`: the state is always seen."""
+def random_tables(seed: int, actions: int, states: int, horizon: int, revealed: bool) -> Pomdp:
+    """A problem made of random tables; `revealed`: the state is always seen."""
     rng = np.random.default_rng(seed)
     move = rng.dirichlet(np.ones(states), (actions, states))
     reward = rng.uniform(-1, 0, (actions, states, states))
-    see = np.repeat(np.eye(states)[None], actions, axis=0) if sharp else rng.dirichlet(np.ones(2), (actions, states))
+    see = np.repeat(np.eye(states)[None], actions, axis=0) if revealed else rng.dirichlet(np.ones(2), (actions, states))
     return table_problem(move, reward, see, horizon, 0.9)
 
 

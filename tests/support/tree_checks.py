@@ -1,4 +1,4 @@
-"""What must hold of every search tree and every belief, whatever the problem; each check raises AssertionError."""
+"""What must hold for every search tree and every belief, whatever the problem; each check raises AssertionError."""
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
@@ -38,7 +38,7 @@ def best_tried(tree: Nodes, node: int) -> float:
 
 
 def assert_exact_everywhere(tree: Nodes, discount: float) -> None:
-    """The same with the chances of the observations, among those known, in place of visits."""
+    """The same with the probabilities of the known observations in place of visits."""
     for node, action in nodes_with_tried(tree):
         chances = tree.chance[node, action]
         assert chances.sum() == pytest.approx(1, abs=1e-12)
@@ -49,7 +49,7 @@ def assert_exact_everywhere(tree: Nodes, discount: float) -> None:
 
 
 def assert_means_everywhere(tree: Nodes, start: Belief) -> None:
-    """N(h, a) Q(h, a) = sum of all rewards and, discounted, of all returns behind, leaf values with them."""
+    """N(h, a) Q(h, a) = sum of all rewards and, discounted, of all returns below, including leaf values."""
     _assert_sums(tree, start, lambda child: float(tree.tried[child] @ tree.value[child]) + tree.best[child])
 
 
@@ -61,9 +61,9 @@ def assert_maxuct_everywhere(tree: Nodes, start: Belief) -> None:
 
 
 def _assert_sums(tree: Nodes, start: Belief, behind: Callable[[int], float]) -> None:
-    """N(h, a) Q(h, a) = sum over the visits of the rewards + gamma * what is behind every successor.
+    """N(h, a) Q(h, a) = sum over the visits of the rewards + gamma * the return below every successor.
 
-    From one state with observations that tell the outcome, so that all rewards can be told from the tree.
+    From one state, with observations that reveal the outcome, so that all rewards follow from the tree.
     """
     model = start.model
     assert model.observation_reveals_outcome and len(start.weights) == 1

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.output.figures.style import COLOURS, FigureFolder, house_style, new_figure, set_title
-from fatigue_planner.study.sensitivity.conclusions import DECIDING, at_headline
+from fatigue_planner.study.sensitivity.conclusions import MAX_NAMED, at_headline
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
 from fatigue_planner.study.sensitivity.study import Study
@@ -37,7 +37,7 @@ def draw_study(study: Study, points: Sequence[Point], tables: StudyTables, folde
         figures.add(f"tornado_{baseline}", tornado_figure(table, title), table)
     if importance["share"].notna().any():
         figures.add("importance", importance_figure(importance, baselines), importance)
-        deciding = importance.loc[importance["baseline"] == baselines[0], "factor"].iloc[:DECIDING]
+        deciding = importance.loc[importance["baseline"] == baselines[0], "factor"].iloc[:MAX_NAMED]
         factors = {name: study.settings.factors[name] for name in deciding}
         trends = trend_table(points, gains, list(factors))
         figures.add("trends", trend_figure(trends, factors, baselines), trends)

@@ -7,7 +7,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from fatigue_planner.fatigue.model import loads
-from fatigue_planner.fatigue.parameters import joint_shares
+from fatigue_planner.fatigue.parameters import joint_load_fractions
 from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH
@@ -90,7 +90,7 @@ class MotionClip:
         return Instant(
             positions=np.array([pose[body].translation for body in BODIES]),
             rotations=np.array([pose[body].rotation for body in BODIES]),
-            joint_share=joint_shares(load / self.maximum_torque_nm),
+            joint_share=joint_load_fractions(load / self.maximum_torque_nm),
             centre_of_mass_m=centre.copy(),
             tools=tuple(
                 Pose(pose[f"{side}_grip"].translation.copy(), pose[f"{side}_grip"].rotation.copy())

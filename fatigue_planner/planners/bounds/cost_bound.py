@@ -1,4 +1,4 @@
-"""A cost below which no policy can come, whatever it remembers and however long it computes.
+"""A lower bound on the cost of every policy, whatever it remembers and however long it computes.
 
 Let J_t(f) be the least expected discounted cost of the cycles t ... n-1 from a known state f, over all
 policies that see every state and every reaction: J_n = 0 and J_t(f) = min over a of T[J_t+1](f, a) with
@@ -21,12 +21,12 @@ largest that keeps (1): the minimum over a box of separable quadratics has a clo
 between their least and greatest values (`reaction_range`), which can only lower the right side of (1). So
 the bound needs no solver and has no tolerance: slopes chosen badly make it lower, not wrong. Only rounding
 remains: sums of L terms of the size of the bound, at 2^-53 each, which over 100 cycles stay below 1e-12
-of the bound. ROUNDING of it is given away; an expert's choice between costs that differ by no more than
+of the bound. The fraction ROUNDING of it is subtracted; an expert's choice between costs that differ by no more than
 rounding ends the exact cycles before it (`lookahead.look_ahead`).
 
 Where the initial state is hidden, the first d cycles are minimised over what depends on the history of
 actions and reactions only, for all initial states together. From then on every initial state has its own
-V_t, as if it were revealed, which costs no policy anything. The reactions of a novice (beta = 0) say nothing
+V_t, as if it were revealed, which never raises a cost. The reactions of a novice (beta = 0) say nothing
 about a hidden state; there every policy plays the same game from all initial states at once, and (initial
 state, entry) is treated as one longer state whose costs are weighted with the belief: nothing is ever
 revealed. Likewise a policy that sees the reactions with errors costs no less than one that sees them.
@@ -48,7 +48,7 @@ from fatigue_planner.pomdp.scenario import Scenario
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-ROUNDING = 1e-10  # share of the bound
+ROUNDING = 1e-10  # fraction of the bound
 CLASSES = 4096
 LEAVES = 100_000
 
@@ -57,7 +57,7 @@ LEAVES = 100_000
 class CostBound:
     """No policy's expected discounted cost is below `cost`.
 
-    exact: `cost` is the least expected cost itself, every history having been looked at.
+    exact: `cost` is the least expected cost itself, as every history was examined.
     state_revealed: the policies it holds for may know the worker's initial state after `exact_cycles`.
     exact_cycles, memory: d and k of the module's proof. seconds: wall-clock time taken.
     """
@@ -93,14 +93,14 @@ def cost_lower_bound(
     if (gain < 0).any():
         raise ValueError("The bound needs gains of at least 0.")
     if expertise == 0:
-        tasks, shares = [hidden_state(gain, offset, states, weights, discount, entries)], np.ones(1)
+        tasks, start_weights = [hidden_state(gain, offset, states, weights, discount, entries)], np.ones(1)
     else:
-        tasks, shares = [known_state(gain, offset, expertise, s, discount, entries) for s in states], weights
+        tasks, start_weights = [known_state(gain, offset, expertise, s, discount, entries) for s in states], weights
     memory = min(class_memory(tasks[0].branches, classes), n_cycles)
-    lookahead = look_ahead(tasks, shares, n_cycles, memory, leaves)
+    lookahead = look_ahead(tasks, start_weights, n_cycles, memory, leaves)
     if len(lookahead.levels) < memory:  # a choice too close to call; classes can remember no more
         memory = len(lookahead.levels)
-        lookahead = look_ahead(tasks, shares, n_cycles, memory, leaves)
+        lookahead = look_ahead(tasks, start_weights, n_cycles, memory, leaves)
     depth = len(lookahead.levels)
     leaf_cost = np.zeros(len(lookahead.classes))
     for s, task in enumerate(tasks):
@@ -121,15 +121,15 @@ def cost_lower_bound(
 def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
     """The bound of a scenario whose worker is known."""
     model = scenario.model
-    live = model.active_entries.size
-    if live == 0:  # nothing ever tires
+    active = model.active_entries.size
+    if active == 0:  # nothing ever tires
         return CostBound(cost=0.0, exact=True, state_revealed=False, exact_cycles=n_cycles, memory=0, seconds=0.0)
     shape = (len(model.actions), len(model.outcomes), -1)
     return cost_lower_bound(
-        model.arrays.gain.reshape(shape)[:, :, :live],
-        model.arrays.offset.reshape(shape)[:, :, :live],
+        model.arrays.gain.reshape(shape)[:, :, :active],
+        model.arrays.offset.reshape(shape)[:, :, :active],
         float(model.workers.expertise[0]),
-        scenario.states[:, :live],
+        scenario.states[:, :active],
         scenario.weights,
         model.discount,
         model.entries,
@@ -138,7 +138,7 @@ def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
 
 
 def fingerprint(scenario: Scenario) -> dict[str, Any]:
-    """All of a scenario that decides its bound, as JSON values: not how beliefs are kept, nor what is recognised."""
+    """All that decides the bound of a scenario, as JSON values: neither its belief nor what is recognised."""
     model = scenario.model
     return {
         "shape": [len(model.actions), len(model.outcomes), model.active_entries.size, model.entries],

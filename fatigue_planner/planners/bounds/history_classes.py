@@ -31,7 +31,7 @@ class ClassStates:
     high: Array
 
     def __getitem__(self, classes: slice) -> "ClassStates":
-        """Those of some of the classes."""
+        """The states of some of the classes."""
         return ClassStates(self.typical[classes], self.spread[classes], self.low[classes], self.high[classes])
 
 

@@ -12,7 +12,7 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 
-# Above this expertise a difference in cost by rounding, some 1e-17, is felt in the choice; costs are of order 1e-3.
+# Above this expertise rounding errors of costs, some 1e-17, affect the choice; costs are of order 1e-3.
 DECISIVE = 1e6
 TOO_CLOSE = 1e-12
 
@@ -22,7 +22,7 @@ class Level:
     """One cycle of the tree, for N histories.
 
     cost (N, A, U): expected cost of the cycle where the action is taken and the reaction happens, times the
-    probability of the history and the reaction. kept (N, A, U): whether that can sample_step.
+    probability of the history and the reaction. kept (N, A, U): whether that can happen.
     """
 
     cost: Array
@@ -31,7 +31,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Lookahead:
-    """Every history of the first cycles that can sample_step, one level per cycle, and the N where it ends.
+    """Every history of the first cycles that can happen, one level per cycle, and the N at the end.
 
     states (N, S, L): the state after the history from each of S initial states; weights (N, S): probability
     of that initial state and of the history's reactions; classes (N,): the history's last reactions.
@@ -63,7 +63,7 @@ def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: in
     """
     task = tasks[0]
     actions, reactions, _ = task.gain.shape
-    states, share = np.array([[task.start for task in tasks]]), weights[None]
+    states, probability = np.array([[task.start for task in tasks]]), weights[None]
     classes = np.zeros(1, dtype=np.intp)
     latest = np.arange(actions * reactions).reshape(actions, reactions)
     levels: list[Level] = []
@@ -72,11 +72,11 @@ def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: in
         cost = np.moveaxis(np.square(after) @ task.cost_weight, -1, 1)
         if task.expertise > DECISIVE and (np.sort(cost)[..., 1:2] - cost.min(axis=-1, keepdims=True) < TOO_CLOSE).any():
             break
-        joint = share[:, :, None, None] * task.choice(cost)
+        joint = probability[:, :, None, None] * task.choice(cost)
         kept = np.any(joint > 0, axis=1)
         if len(levels) >= memory and np.count_nonzero(kept) * len(tasks) > leaves:
             break
         levels.append(Level((joint * cost).sum(axis=1), kept))
-        states, share = after[kept], np.moveaxis(joint, 1, -1)[kept]
+        states, probability = after[kept], np.moveaxis(joint, 1, -1)[kept]
         classes = ((classes[:, None, None] * task.branches + latest) % task.branches**memory)[kept]
-    return Lookahead(tuple(levels), states, share, classes)
+    return Lookahead(tuple(levels), states, probability, classes)

@@ -40,12 +40,12 @@ class Quadratics:
         """The values (...,) at displacements (..., L)."""
         return np.asarray(self.value + ((self.slope + self.curvature * displacement) * displacement).sum(axis=-1))
 
-    def mean(self, share: Array) -> "Quadratics":
-        """Mean with the shares (..., F) over the last axis of `value`, F."""
+    def mean(self, weights: Array) -> "Quadratics":
+        """Mean with weights (..., F), whose sum is 1, over the last axis of `value`, F."""
         return Quadratics(
-            (share * self.value).sum(axis=-1),
-            np.einsum("...f,...fl->...l", share, self.slope),
-            np.einsum("...f,...fl->...l", share, self.curvature),
+            (weights * self.value).sum(axis=-1),
+            np.einsum("...f,...fl->...l", weights, self.slope),
+            np.einsum("...f,...fl->...l", weights, self.curvature),
         )
 
     def minimum(self, low: Array, high: Array) -> Array:
@@ -61,7 +61,7 @@ class Quadratics:
 
 
 def zero(size: int, length: int) -> Quadratics:
-    """As many functions (size,) that vanish everywhere."""
+    """Functions (size,) that vanish everywhere."""
     return Quadratics(np.zeros(size), np.zeros((size, length)), np.zeros((size, length)))
 
 

@@ -1,4 +1,4 @@
-"""What the worker may do in a box of states: the extreme probabilities of the reactions."""
+"""The extreme probabilities of the reactions in a box of states."""
 
 from itertools import permutations
 
@@ -11,7 +11,7 @@ from fatigue_planner.planners.bounds.task import Task
 
 Array = NDArray[np.float64]
 
-# Differences of costs, which are of order 1e-3, are widened by this for the sake of rounding.
+# Differences of costs, which are of order 1e-3, are widened by this to allow for rounding.
 COST_ROUNDING = 1e-12
 
 

@@ -12,9 +12,9 @@ from fatigue_planner.planners.bounds.task import Task
 
 Array = NDArray[np.float64]
 
-# A share moves towards a function by these steps; the best is kept.
+# The weights of a mean move towards a function by these steps; the best is kept.
 STEPS = np.arange(1, 9) / 8
-# So many classes are worked on at a time: few enough for the processor's cache.
+# How many classes are computed at a time: few enough for the processor's cache.
 BLOCK = 512
 # A spread counts as at least this much, so that no curvature is so large that rounding matters.
 MIN_SPREAD = 1e-3
@@ -75,35 +75,34 @@ def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Qu
 def below_all(functions: Quadratics, states: ClassStates) -> Quadratics:
     """One function (M,) that in the box of its class lies below all of F functions (M, F).
 
-    Slopes and curvatures are those of `bent_mean`. The shares start on the first function and move
+    Slopes and curvatures are those of `bent_mean`. The weights start on the first function and move
     towards each of the others as far as that raises the mean of the result over the typical spread.
     """
 
-    def candidate(share: Array) -> Quadratics:
-        return lowered(bent_mean(functions, share, states.spread), functions, states)
+    def candidate(weights: Array) -> Quadratics:
+        return lowered(bent_mean(functions, weights, states.spread), functions, states)
 
-    share = np.zeros_like(functions.value)
-    share[:, 0] = 1
-    merit = _typical_mean(candidate(share), states)
-    for towards in np.eye(share.shape[1])[1:]:
-        origin = share
+    weights = np.zeros_like(functions.value)
+    weights[:, 0] = 1
+    merit = _typical_mean(candidate(weights), states)
+    for towards in np.eye(weights.shape[1])[1:]:
+        origin = weights
         for step in STEPS:
             moved = (1 - step) * origin + step * towards
             moved_merit = _typical_mean(candidate(moved), states)
-            share = np.where((moved_merit > merit)[:, None], moved, share)
+            weights = np.where((moved_merit > merit)[:, None], moved, weights)
             merit = np.maximum(moved_merit, merit)
-    return candidate(share)
+    return candidate(weights)
 
 
-def bent_mean(functions: Quadratics, share: Array, spread: Array) -> Quadratics:
-    """The mean (M,) of the functions (M, F) with these shares (M, F), every entry bent down by kappa.
+def bent_mean(functions: Quadratics, weights: Array, spread: Array) -> Quadratics:
+    """The mean (M,) of the functions (M, F) with these weights (M, F), every entry bent down by kappa.
 
-    kappa = (standard deviation, by the shares, of the functions' slopes) / (2 spread): what has to be
-    given away for the slopes that differ, deviation^2 / (4 kappa), and for the bending,
-    kappa spread^2, is then least.
+    kappa = (weighted standard deviation of the functions' slopes) / (2 spread) minimises what is lost: by the
+    slopes that differ, deviation^2 / (4 kappa), and by the bending, kappa spread^2.
     """
-    mean = functions.mean(share)
-    deviation = np.sqrt(np.einsum("mf,mfl->ml", share, np.square(functions.slope - mean.slope[:, None])))
+    mean = functions.mean(weights)
+    deviation = np.sqrt(np.einsum("mf,mfl->ml", weights, np.square(functions.slope - mean.slope[:, None])))
     return Quadratics(mean.value, mean.slope, mean.curvature - deviation / (2 * np.maximum(spread, MIN_SPREAD)))
 
 

@@ -36,8 +36,8 @@ class Task:
     def choice(self, costs: Array) -> Array:
         """Eq. 4 over the last axis of costs (..., U): P(u) = exp(-beta c_u) / sum of exp(-beta c_u')."""
         excess = costs - costs.min(axis=-1, keepdims=True)
-        share = np.exp(-np.multiply(self.expertise, excess, where=excess > 0, out=np.zeros_like(excess)))
-        return np.asarray(share / share.sum(axis=-1, keepdims=True))
+        relative = np.exp(-np.multiply(self.expertise, excess, where=excess > 0, out=np.zeros_like(excess)))
+        return np.asarray(relative / relative.sum(axis=-1, keepdims=True))
 
 
 def known_state(gain: Array, offset: Array, expertise: float, state: Vector, discount: float, entries: int) -> Task:
@@ -49,7 +49,7 @@ def hidden_state(gain: Array, offset: Array, states: Array, weights: Vector, dis
     """The task of a policy for a novice that does not know which of the states (n, L) is the true one.
 
     The same reactions move all of them, so they are one state of n L entries, each with the cost of its
-    probability (n,). Entries that start alike stay alike and are one.
+    probability (n,). Entries that start equal stay equal and are merged.
     """
     n, length = states.shape
     pairs = np.stack([np.tile(np.arange(length), n), states.ravel()])

@@ -49,42 +49,42 @@ def back_up_max(_nodes: NDArray[Any], node: Node, action: int, target: float, pa
     return float(node.visited * after - (node.visited - 1) * before)
 
 
-# Whether the observation always tells the outcome.
+# Whether the observation always reveals the outcome.
 OBSERVATION_REVEALS_OUTCOME = False
 
 
 def expect_outcomes(arrays: Any, node: Node, action: int, workspace: Workspace, certain: bool) -> None:
-    """Template: fold expected reward and chances of the observations, from the state, into their means at (h, a).
+    """Template: fold the state's expected reward and observation probabilities into their means at (h, a).
 
-    Where the belief is one state and the observation tells the outcome, the node's state is always the
-    same, and so are these; else they are means over the states sampled.
+    Where the belief is one state and the observation reveals the outcome, the node's state is always the
+    same, and so are these; elsewhere they are means over the states sampled.
     """
     if certain and OBSERVATION_REVEALS_OUTCOME and node.tried[action] > 0:
         return
-    share = 1.0 / (node.tried[action] + 1.0)
+    step_size = 1.0 / (node.tried[action] + 1.0)
     for observation in range(node.chance.shape[1]):
-        node.chance[action, observation] *= 1.0 - share
+        node.chance[action, observation] *= 1.0 - step_size
     probabilities, moved = workspace.probabilities, workspace.moved
     reward = expected_reward(arrays, workspace.state, action, probabilities, moved)
-    node.mean_reward[action] += share * (reward - node.mean_reward[action])
+    node.mean_reward[action] += step_size * (reward - node.mean_reward[action])
     for outcome in range(probabilities.size):
         if OBSERVATION_REVEALS_OUTCOME:
-            node.chance[action, outcome] += share * probabilities[outcome]
+            node.chance[action, outcome] += step_size * probabilities[outcome]
         elif probabilities[outcome] > 0:
             for j in range(moved.size):
                 moved[j] = workspace.state[j]
             advance(arrays, moved, action, outcome)
             for observation in range(node.chance.shape[1]):
                 seen = observation_probability(arrays, moved, action, outcome, observation)
-                node.chance[action, observation] += share * probabilities[outcome] * seen
+                node.chance[action, observation] += step_size * probabilities[outcome] * seen
 
 
 @inlined
 def back_up_exact(nodes: NDArray[Any], node: Node, action: int, _target: float, parameters: SearchParameters) -> float:
-    """Q(h, a) = expected reward + gamma * expected V of the successors known, by their chances.
+    """Q(h, a) = expected reward + gamma * expected V of the known successors, weighted by their probabilities.
 
-    The max backup with the known chances of the outcomes in place of their frequencies.
-    V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value. Nothing need be passed on.
+    The max backup with the known probabilities of the observations in place of their frequencies.
+    V(h) = max over the actions tried of Q(h, a); of a leaf, its leaf value. Nothing needs to be passed on.
     """
     future, known = 0.0, 0.0
     for observation in range(node.child.shape[1]):

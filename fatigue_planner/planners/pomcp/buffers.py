@@ -15,7 +15,7 @@ TINY = 1e-150
 
 
 class SearchParameters(NamedTuple):
-    """What a search goes by, with tables by count n (see `tables`)."""
+    """The parameters of a search, with tables indexed by a count n (see `tables`)."""
 
     exploration_constant: float
     discount: float
@@ -30,7 +30,7 @@ def tables(size: int) -> tuple[Vector, Vector, Vector]:
     """sqrt(log n), 1 / sqrt(n) and 1 / n for n < size.
 
     1 / sqrt(0) = inf lets the first action not tried win; sqrt(log 0) and sqrt(log 1) are TINY, as 0 times
-    infinity would be no number.
+    infinity would be NaN.
     """
     n = np.arange(size, dtype=float)
     root_log = np.sqrt(np.log(np.maximum(n, 1)))

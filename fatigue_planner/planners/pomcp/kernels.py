@@ -1,6 +1,6 @@
 """The interchangeable parts of a search and the kernels made of them.
 
-To add a part: write its functions (see the stand-ins in `search/descent.py`), and add a line to BACKUPS,
+To add a part: write its functions (see the placeholders in `search.py`), and add a line to BACKUPS,
 EXPLORATIONS or LEAF_VALUES and to the Literal above it.
 """
 
@@ -26,7 +26,7 @@ BackupName = Literal["mean", "max", "exact"]
 ExplorationName = Literal["fixed", "scaled"]
 LeafValueName = Literal["none", "random_rollout", "greedy_rollout", "bound"]
 
-# What a file's settings say of leaf values and rollouts.
+# Descriptions of settings that several policies share.
 LEAF_VALUE = (
     "What a path is worth beyond its last cycle: nothing (none), a rollout of random or greedy actions, or the proven "
     "bound of the cost to come (bound)."
@@ -37,7 +37,7 @@ Parts = dict[str, Any]
 
 
 class Backup(NamedTuple):
-    """How values go up the tree; `with_chances`: the tree keeps the chances of the observations."""
+    """How values go up the tree; `with_chances`: the tree keeps the probabilities of the observations."""
 
     expect: Callable[[Pomdp], Any]
     back_up: Any
@@ -96,22 +96,22 @@ def bound_arrays_for(model: Pomdp, leaf_value: LeafValueName) -> Any:
 
 
 def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName, leaf_value: LeafValueName) -> Any:
-    """`search.descent.grow` for a problem and these parts, compiled."""
-    up, down = BACKUPS[backup], EXPLORATIONS[exploration]
+    """`search.grow` for a problem and these parts, compiled."""
+    backup_parts, exploration_parts = BACKUPS[backup], EXPLORATIONS[exploration]
     return specialised(
         grow,
         kernel,
         step=model.parts["step"],
-        select_action=down.select_action,
-        note_return=down.note_return,
-        expect=up.expect(model),
-        back_up=up.back_up,
+        select_action=exploration_parts.select_action,
+        note_return=exploration_parts.note_return,
+        expect=backup_parts.expect(model),
+        back_up=backup_parts.back_up,
         leaf_value=LEAF_VALUES[leaf_value](model),
     )
 
 
 def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
-    """`search.expectimax.best_return` for a problem and a leaf value, compiled."""
+    """`expectimax.best_return` for a problem and a leaf value, compiled."""
     parts = _without_step(model)
     constants = {
         "OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome,

@@ -1,4 +1,4 @@
-"""What the state at a new leaf is worth: nothing, the return of a rollout, or what the problem says."""
+"""What the state at a new leaf is worth: nothing, the return of a rollout, or the problem's own bound."""
 
 from typing import Any
 
@@ -31,7 +31,7 @@ def random_rollout(
     actions: int,
     rng: np.random.Generator,
 ) -> float:
-    """Template: the discounted return of some cycles with random actions; `workspace.state` is used up.
+    """Template: the discounted return of some cycles with random actions; `workspace.state` is overwritten.
 
     The rollout of Silver & Veness (2010).
     """
@@ -52,7 +52,7 @@ def greedy_rollout(
     actions: int,
     rng: np.random.Generator,
 ) -> float:
-    """Template: the discounted return of some greedy cycles; `workspace.state` is used up.
+    """Template: the discounted return of some greedy cycles; `workspace.state` is overwritten.
 
     The rollout knows the sampled state, which a policy would not.
     """
@@ -71,7 +71,7 @@ def greedy_rollout(
 
 
 def bound(bound_arrays: Any, state: Vector) -> float:
-    """Stands for the problem's own bound."""
+    """Placeholder for the problem's own bound."""
     raise NotImplementedError
 
 

@@ -23,26 +23,26 @@ from fatigue_planner.planners.pomcp.tree import UNVISITED, Tree, clear, graft, n
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
 
-# A search with a time limit looks at the clock once per so many descents.
+# How many descents a search with a time limit makes between two looks at the clock.
 DESCENTS_PER_LOOK = 50
-# The workspace of a search with a time limit: memory is taken from the system only where it is used.
+# The largest tree of a search with a time limit; the system provides its memory only where it is used.
 MAX_NODES = 1_000_000
 MAX_BYTES = 2**28
 
 
 class PomcpPolicy(Policy):
-    """A tree search; its settings say what it is made of and when it ends.
+    """A tree search; its settings choose its parts and when it ends.
 
     Its memory is kept from decision to decision, so a tree lasts until the next one is grown.
     """
 
     def __init__(self, settings: "PomcpSettings") -> None:
         self.settings = settings
-        # how far it comes in a time differs from run to run, and random rollouts are drawn whatever the worker
+        # how many descents fit in a time differs from run to run, and random rollouts are drawn for every worker
         self.draws_at_random = settings.seconds is not None or settings.leaf_value == "random_rollout"
         self._tree: Tree | None = None
         self._spare: Tree | None = None
-        self._kept = False  # whether the tree is what observe kept for this decision
+        self._kept = False  # whether `observe` kept the tree for this decision
         self._workspace: Workspace | None = None
         self._tables = tables(0 if settings.seconds is None else MAX_NODES + 1)
         self._model: Pomdp | None = None
@@ -50,7 +50,7 @@ class PomcpPolicy(Policy):
         self._depth = 0
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
-        """The action with the best estimated return at the root; the first of equals."""
+        """The action with the best estimated return at the root; ties go to the first."""
         begin = time.perf_counter()
         root = self.tree(belief, rng, begin).nodes[0]
         visits = root["tried"].astype(np.int64)
@@ -63,7 +63,7 @@ class PomcpPolicy(Policy):
         return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
 
     def observe(self, action: int, observation: int) -> None:
-        """With reuse, what follows of the tree becomes the next one."""
+        """If the tree is reused, keep its part below this action and observation for the next decision."""
         tree = self._tree
         if tree is None or not self.settings.reuse_tree:
             return
@@ -80,7 +80,7 @@ class PomcpPolicy(Policy):
         """The search tree grown from a belief; `begin` is when the decision began (perf_counter)."""
         settings, model = self.settings, belief.model
         if model is not self._model:
-            if self._model is None or not _alike(model, self._model):
+            if self._model is None or not _same_task(model, self._model):
                 model.check_probabilities(belief.states)
                 self._tree = self._spare = self._workspace = None
             self._model = model
@@ -107,7 +107,7 @@ class PomcpPolicy(Policy):
         return tree
 
     def _grow_until(self, belief: Belief, end: float, rng: np.random.Generator) -> Tree:
-        """Grow until another look at the clock might come too late; one descent at least per action."""
+        """Grow until another look at the clock might come too late; at least one descent per action."""
         descents = len(belief.model.actions)
         self._memory(belief, descents)
         while True:
@@ -120,7 +120,7 @@ class PomcpPolicy(Policy):
                 return tree
 
     def _memory(self, belief: Belief, descents: int) -> tuple[Tree, Workspace]:
-        """The tree, with workspace for so many descents more, and the working memory."""
+        """The tree, with room for this many more descents, and the working memory."""
         model, settings = belief.model, self.settings
         tree = self._tree
         used = 1 if tree is None else int(tree.size[0])
@@ -144,9 +144,9 @@ class PomcpPolicy(Policy):
         return tree, self._workspace
 
 
-def _alike(one: Pomdp, other: Pomdp) -> bool:
-    """Whether a tree of one problem serves the other: the same task, perhaps with other workers in mind."""
-    return (one.actions, one.outcomes, one.observations) == (other.actions, other.outcomes, other.observations)
+def _same_task(first: Pomdp, second: Pomdp) -> bool:
+    """Whether a tree of one problem can be reused for the other: the same task, perhaps for other workers."""
+    return all(getattr(first, names) == getattr(second, names) for names in ("actions", "outcomes", "observations"))
 
 
 class PomcpSettings(PolicySettings):
@@ -164,7 +164,7 @@ class PomcpSettings(PolicySettings):
     )
     exploration: ExplorationName = Field(
         default="fixed",
-        description="Whether c is taken as it is (fixed) or times the spread of the returns met so far (scaled).",
+        description="Whether c is used as it is (fixed) or multiplied by the spread of the returns so far (scaled).",
     )
     leaf_value: LeafValueName = Field(default="none", description=LEAF_VALUE)
     rollout_cycles: int = Field(default=20, ge=1, le=10_000, description=ROLLOUT_CYCLES)
@@ -178,7 +178,8 @@ class PomcpSettings(PolicySettings):
         default=None, gt=0, le=3600, description="Budget of a decision: planning time in s. Give this or descents."
     )
     reuse_tree: bool = Field(
-        default=False, description="Whether the next decision goes on with the part of the tree that came true."
+        default=False,
+        description="Whether the next decision continues with the part of the tree below what was done and seen.",
     )
 
     @model_validator(mode="after")

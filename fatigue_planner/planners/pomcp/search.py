@@ -1,8 +1,8 @@
-"""The kernel of the tree search: a template into which a problem's functions and the search's parts are put.
+"""The kernel of the tree search: a template for a problem's functions and the parts of a search.
 
 A descent samples a state from the belief, follows the exploration rule and the generative model (paper,
 Fig. 4) through the tree to the leaf it adds (paper, section III-D), takes the leaf's value, and the
-backup carries what was found to the root.
+backup carries the return to the root.
 """
 
 from typing import Any
@@ -18,12 +18,12 @@ Node = Any
 
 
 def select_action(node: Node, parameters: SearchParameters) -> int:
-    """Stands for the exploration rule."""
+    """Placeholder for the exploration rule."""
     raise NotImplementedError
 
 
 def expect(arrays: Any, node: Node, action: int, workspace: Workspace, certain: bool) -> None:
-    """Stands for what the backup wants to know before an action is taken in `workspace.state`."""
+    """Placeholder for what the backup has to know before an action is taken in `workspace.state`."""
     raise NotImplementedError
 
 
@@ -35,12 +35,12 @@ def leaf_value(
     actions: int,
     rng: np.random.Generator,
 ) -> float:
-    """Stands for the value of a new leaf, whose state is `workspace.state`."""
+    """Placeholder for the value of a new leaf, whose state is `workspace.state`."""
     raise NotImplementedError
 
 
 def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, parameters: SearchParameters) -> float:
-    """Stands for the backup of a chance node and its decision node.
+    """Placeholder for the backup of a chance node and its decision node.
 
     `target` is the reward plus gamma times what the successor's backup (or the leaf value) passed on;
     `tried` and `visited` already count the descent. What it returns is passed on to the node above.
@@ -48,8 +48,8 @@ def back_up(nodes: NDArray[Any], node: Node, action: int, target: float, paramet
     raise NotImplementedError
 
 
-def note_return(node: Node, gained: float) -> None:
-    """Stands for what the exploration rule keeps of the descents' returns from a node."""
+def note_return(node: Node, discounted_return: float) -> None:
+    """Placeholder for what the exploration rule records about the returns from a node."""
     raise NotImplementedError
 
 
@@ -66,43 +66,43 @@ def grow(
 ) -> int:
     """Template: grow a tree by a number of descents from a belief (states (n, L), weights (n,)); its depth.
 
-    The tree must have workspace for as many nodes. Equal scores go to the first action, so a problem without
-    chance has one tree, whatever the generator (unless leaves are rated by random rollouts).
+    The tree must have room for as many nodes. Ties go to the first action, so a problem without chance has one
+    tree, whatever the generator (unless leaves are valued by random rollouts).
     """
     nodes, state = tree.nodes, workspace.state
     used = tree.size[0]
     certain = weights.size == 1
-    deepest = 0
+    max_depth = 0
     for _ in range(descents):
         particle = 0 if certain else draw(weights, rng.random())
         for j in range(state.size):
             state[j] = states[particle, j]
-        here = np.uint32(0)
+        index = np.uint32(0)
         depth = 0
         while True:
-            node = nodes[here]
+            node = nodes[index]
             action = select_action(node, parameters)
             expect(arrays, node, action, workspace, certain)
             node.visited += np.uint32(1)
             observation, reward = step(arrays, state, action, workspace.probabilities, rng)
-            workspace.nodes[depth], workspace.actions[depth], workspace.rewards[depth] = here, action, reward
+            workspace.nodes[depth], workspace.actions[depth], workspace.rewards[depth] = index, action, reward
             depth += 1
-            here = node.child[action, observation]
-            if here == UNVISITED:
+            index = node.child[action, observation]
+            if index == UNVISITED:
                 node.child[action, observation] = used
                 break
-        gained = leaf_value(arrays, bound_arrays, workspace, parameters, node.value.size, rng)
+        discounted_return = leaf_value(arrays, bound_arrays, workspace, parameters, node.value.size, rng)
         nodes[used].visited = 1
-        nodes[used].best = gained
+        nodes[used].best = discounted_return
         used += 1
-        deepest = max(deepest, depth)
-        passed_on = gained
+        max_depth = max(max_depth, depth)
+        passed_on = discounted_return
         for level in range(depth - 1, -1, -1):
             node = nodes[workspace.nodes[level]]
             action, reward = workspace.actions[level], workspace.rewards[level]
             node.tried[action] += np.uint32(1)
             passed_on = back_up(nodes, node, action, reward + parameters.discount * passed_on, parameters)
-            gained = reward + parameters.discount * gained
-            note_return(node, gained)
+            discounted_return = reward + parameters.discount * discounted_return
+            note_return(node, discounted_return)
     tree.size[0] = used
-    return deepest
+    return max_depth

@@ -1,14 +1,14 @@
 """The search tree: one record per node.
 
 A decision node is a history h of (action, observation) pairs; node 0 is the belief searched from. Per
-node h and action a (a chance node) and, where it says so, observation o:
+node h and action a (a chance node) and, where given, observation o:
     value[a]       estimated return of choosing a in h
     best           value of h: of a leaf its leaf value, else what the backup makes of the actions tried
     visited        how often h was reached, its creation included; visited - 1 = sum of tried
     tried[a]       how often a was chosen in h
     child[a, o]    the node of history (h, a, o), or UNVISITED
-and, only where a part of the search asks for it:
-    mean_reward[a], chance[a, o]   known expected reward of a and chance of o (exact backup)
+and, only where a part of the search needs them:
+    mean_reward[a], chance[a, o]   known expected reward of a and probability of o (exact backup)
     spread, average                sum of squared deviations and mean of the returns from h (scaled exploration)
 """
 
@@ -24,7 +24,7 @@ from fatigue_planner.pomdp.simd import CACHE_LINE, aligned_zeros
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
-# The root is nobody's child, and fresh memory is all zeros.
+# The root is never a child, and fresh memory is all zeros.
 UNVISITED = 0
 
 
@@ -57,7 +57,7 @@ def node_type(actions: int, observations: int, with_chances: bool, with_spread: 
 
 
 def new_tree(capacity: int, record: np.dtype[Any]) -> Tree:
-    """A tree of the root alone, with workspace for `capacity` nodes."""
+    """A tree that has only its root, with room for `capacity` nodes."""
     nodes = aligned_zeros(capacity, record)
     if numba.config.DISABLE_JIT:
         nodes = nodes.view(np.recarray)  # fields as attributes, as in compiled code
@@ -74,7 +74,7 @@ def clear(tree: Tree) -> None:
 
 
 def graft(source: Tree, root: int, target: Tree) -> None:
-    """Copy a node and all below it to the root of an empty tree with workspace for them."""
+    """Copy a node and all below it to the root of an empty tree with room for them."""
     origin = np.empty(source.size[0], np.uint32)
     used = _order_below(source.nodes, root, origin)
     target.nodes[:used] = source.nodes[origin[:used]]
@@ -84,7 +84,7 @@ def graft(source: Tree, root: int, target: Tree) -> None:
 
 @kernel
 def _order_below(nodes: NDArray[Any], root: int, origin: NDArray[np.uint32]) -> int:
-    """The nodes below `root`, itself first, level by level; how many they are."""
+    """Fill `origin` with `root` and all nodes below it, level by level; their number."""
     origin[0] = root
     done, used = 0, 1
     while done < used:
@@ -100,10 +100,10 @@ def _order_below(nodes: NDArray[Any], root: int, origin: NDArray[np.uint32]) -> 
 
 @kernel
 def _renumber(nodes: NDArray[Any], used: int) -> None:
-    """Children are numbered in the order in which they come."""
+    """Number the children in the order in which they come."""
     following = 1
-    for place in range(used):
-        node = nodes[place]
+    for index in range(used):
+        node = nodes[index]
         for action in range(node.child.shape[0]):
             for observation in range(node.child.shape[1]):
                 if node.child[action, observation] != UNVISITED:

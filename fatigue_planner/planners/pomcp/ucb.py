@@ -29,8 +29,8 @@ def select_fixed(node: Node, parameters: SearchParameters) -> int:
 
 
 @inlined
-def note_nothing(_node: Node, _gained: float) -> None:
-    """A fixed constant needs nothing of the returns."""
+def note_nothing(_node: Node, _discounted_return: float) -> None:
+    """A fixed constant needs no record of the returns."""
 
 
 @inlined
@@ -41,8 +41,8 @@ def select_scaled(node: Node, parameters: SearchParameters) -> int:
 
 
 @inlined
-def note_spread(node: Node, gained: float) -> None:
+def note_spread(node: Node, discounted_return: float) -> None:
     """Welford's running mean and sum of squared deviations; visited - 1 returns have been seen."""
-    difference = gained - node.average
+    difference = discounted_return - node.average
     node.average += difference / (node.visited - 1)
-    node.spread += difference * (gained - node.average)
+    node.spread += difference * (discounted_return - node.average)

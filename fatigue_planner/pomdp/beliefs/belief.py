@@ -1,4 +1,4 @@
-"""What every belief is: weighted states of a problem, changed by what is done and seen."""
+"""The base class of beliefs: weighted states of a problem, updated by what is done and seen."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 class Belief(ABC):
     """States (n, L) of `model` and their probabilities (n,).
 
-    surprised: the last observation was impossible to the model, so that the belief was widened.
+    surprised: the last observation was impossible under the model, so the belief was widened.
 
     >>> belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
     >>> belief.model.actions, belief.weights.tolist()
@@ -30,7 +30,7 @@ class Belief(ABC):
     surprised: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ProblemError for weights that are none."""
+        """Raise ProblemError for weights that are not probabilities."""
         if self.weights.shape != (len(self.states),):
             raise ProblemError(f"the belief has {len(self.states)} states and weights of shape {self.weights.shape}.")
         total = float(self.weights.sum())
@@ -39,9 +39,9 @@ class Belief(ABC):
 
     @abstractmethod
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "Belief":
-        """The belief after an action and an observation. Never raises, whatever of the problem's is observed.
+        """The belief after an action and an observation. Works for every observation that the problem has.
 
-        Raises IndexError for the number of an action or observation that the problem has not.
+        Raises IndexError for an action or observation that the problem does not have.
         """
 
     def expected_rewards(self) -> Vector:

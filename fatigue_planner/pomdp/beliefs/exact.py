@@ -1,7 +1,7 @@
-"""The exact belief: all states that may be, with their probabilities.
+"""The exact belief: all possible states with their probabilities.
 
 With finitely many initial states and outcomes nothing has to be sampled. The set stays small where the
-observation tells the outcome (paper, section III-B), or where different ways lead to the same state.
+observation reveals the outcome (paper, section III-B), or where different histories lead to the same state.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
 
-# No state that remains possible is forgotten, however unlikely: should the others turn out impossible, it is
-# what is left.
+# No state that remains possible is forgotten, however unlikely: it is what remains if the others turn out to be
+# impossible.
 MIN_WEIGHT = 1e-300
 
 
@@ -31,9 +31,9 @@ class ExactBelief(Belief):
         """Bayes' rule.
 
         b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
-        leads to. Where that is 0 for all, the outcome is taken for one the worker cannot have chosen, but
-        did: P(u | s, a) is replaced by 1; and if nothing leads to the observation at all, the observation
-        is ignored. No weight falls below MIN_WEIGHT. `rng` is not used.
+        leads to. Where that is 0 for all, the worker must have chosen an outcome that the model holds
+        impossible: P(u | s, a) is replaced by 1. If no outcome leads to the observation, the observation is
+        ignored. No weight falls below MIN_WEIGHT. `rng` is not used.
         """
         self.model.check(action, observation)
         kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
@@ -52,8 +52,8 @@ class ExactBelief(Belief):
                 break
         weights = np.maximum(np.exp(log_weights - log_weights.max()), MIN_WEIGHT)
         if weights.size > self.weights.size:
-            states, place = np.unique(states, axis=0, return_inverse=True)
-            weights = np.bincount(place.ravel(), weights)
+            states, group = np.unique(states, axis=0, return_inverse=True)
+            weights = np.bincount(group.ravel(), weights)
         return ExactBelief(self.model, states, weights / weights.sum(), not (trust_outcome and trust_observation))
 
 

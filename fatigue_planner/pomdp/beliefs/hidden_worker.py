@@ -14,20 +14,20 @@ Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 
-# Proposals change a worker's share of a distribution by up to half of it, or by as little as this times that:
-# the sizes are spread evenly over the orders of magnitude, so some fit however much is known.
+# Proposals change a worker's quantile by up to 0.5, or by as little as this times that: the sizes are spread evenly
+# over the orders of magnitude, so that some fit however much is known.
 MIN_STEP = 1e-3
 
 
 @dataclass(frozen=True)
 class HiddenWorkerBelief(ParticleBelief):
-    """Particles that each have a worker of their own, whose number in the model their states hold.
+    """Particles that each have their own worker, whose index in the model is in their state.
 
-    shares (n, 3): where the model's workers are in the prior's distributions, between 0 and 1
+    quantiles (n, 3): of the model's workers in the prior's distributions, between 0 and 1
     """
 
     model: FatiguePomdp
-    shares: Array = field(kw_only=True)
+    quantiles: Array = field(kw_only=True)
     prior: WorkerPrior = field(kw_only=True)
     history: History = field(kw_only=True)
 
@@ -35,15 +35,15 @@ class HiddenWorkerBelief(ParticleBelief):
     def start(model: FatiguePomdp, states: Array, prior: WorkerPrior, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Equally likely states (n, L), each with a worker drawn from the prior."""
         count = len(states)
-        shares = rng.random((count, len(Workers._fields)))
+        quantiles = rng.random((count, len(Workers._fields)))
         numbered = states.copy()
         numbered[:, -1] = np.arange(count)
         return HiddenWorkerBelief(
-            model.for_workers(prior.at(shares)),
+            model.for_workers(prior.at(quantiles)),
             numbered,
             np.full(count, 1 / count),
             log_weights=np.zeros(count),
-            shares=shares,
+            quantiles=quantiles,
             prior=prior,
             history=History.begin(numbered),
         )
@@ -53,33 +53,35 @@ class HiddenWorkerBelief(ParticleBelief):
         return self.model.workers.pick(self.states[:, -1].astype(np.intp))
 
     def rejuvenated(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
-        """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior as it is.
+        """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior unchanged.
 
-        One hidden parameter after the other takes a random step along its distribution, round its ends, and
-        keeps it with the ratio of the likelihoods of the particle's past outcomes (Metropolis-Hastings: as
-        shares are distributed evenly, the prior cancels out). The fatigue is then what that worker's past
-        comes to.
+        It prevents particle deprivation: after resampling, many particles have the same worker.
+
+        One hidden parameter after the other is proposed a random step along its distribution, wrapped around at the
+        ends. It is accepted with the ratio of the likelihoods of the particle's past outcomes (Metropolis-Hastings:
+        quantiles are uniformly distributed, so the prior cancels out). The fatigue becomes that of the new worker
+        after the same past.
         """
         history, count = self.history, len(self.states)
         states, log_likelihood = self.states.copy(), history.log_likelihood
-        shares = self.shares[states[:, -1].astype(np.intp)]
+        quantiles = self.quantiles[states[:, -1].astype(np.intp)]
         start = history.start.copy()
         start[:, -1] = states[:, -1] = np.arange(count)
         for column in self.prior.hidden():
             step = MIN_STEP ** rng.random(count) * (rng.random(count) - 0.5)
-            tried = shares.copy()
-            tried[:, column] = (shares[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
+            proposed = quantiles.copy()
+            proposed[:, column] = (quantiles[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
-            arrays = self.model.for_workers(self.prior.at(tried)).arrays
+            arrays = self.model.for_workers(self.prior.at(proposed)).arrays
             likelihood = relive(arrays, moved, history.actions, history.outcomes, len(self.model.outcomes))
             accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
-            shares = np.where(accepted[:, None], tried, shares)
+            quantiles = np.where(accepted[:, None], proposed, quantiles)
             states = np.where(accepted[:, None], moved, states)
             log_likelihood = np.where(accepted, likelihood, log_likelihood)
         return replace(
             self,
-            model=self.model.for_workers(self.prior.at(shares)),
-            shares=shares,
+            model=self.model.for_workers(self.prior.at(quantiles)),
+            quantiles=quantiles,
             states=states,
             history=replace(history, start=start, log_likelihood=log_likelihood),
         )

@@ -1,4 +1,8 @@
-"""The particle filter, for beliefs that no finite set can hold."""
+"""The particle filter, for beliefs that no finite set can represent.
+
+Resampling leads to particle deprivation, the loss of distinct particles. So particles are resampled only when few of
+them carry the weight, and a belief in a hidden worker moves them afterwards (resample-move, see `hidden_worker`).
+"""
 
 from dataclasses import dataclass, field, replace
 
@@ -16,15 +20,15 @@ from fatigue_planner.pomdp.problem import (
     outcome_probabilities,
 )
 
-# Resample where fewer than this share of the particles would carry the belief (the usual choice).
-MIN_EFFECTIVE_SHARE = 0.5
-# An outcome a particle held impossible, but that was seen, counts in its past as one as unlikely as this.
+# Resample where the effective sample size is below this fraction of the particles (the usual choice).
+MIN_EFFECTIVE_FRACTION = 0.5
+# The probability in a particle's past of an outcome that was seen although the particle holds it impossible.
 MIN_PROBABILITY = 1e-300
 
 
 @dataclass(frozen=True)
 class History:
-    """What of the past rejuvenation needs.
+    """What rejuvenation needs to know about the past.
 
     start (n, L): where each particle began; actions (t,); outcomes (n, t); log_likelihood (n,): the log of
     the outcomes' probability
@@ -37,12 +41,12 @@ class History:
 
     @staticmethod
     def begin(states: Array) -> "History":
-        """Nothing happened yet."""
+        """The history before the first cycle."""
         count = len(states)
         return History(states, np.zeros(0, np.int64), np.zeros((count, 0), np.int16), np.zeros(count))
 
     def then(self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector) -> "History":
-        """One more cycle; log_likelihood is that of its outcomes alone."""
+        """The history with one more cycle, whose outcomes alone have this log_likelihood."""
         return History(
             self.start,
             np.append(self.actions, action),
@@ -57,12 +61,12 @@ class History:
 
 @dataclass(frozen=True)
 class ParticleBelief(Belief):
-    """Particles with log weights (n,), the largest 0; `weights` are what these stand for.
+    """Particles with log weights (n,), the largest 0; `weights` are their normalised exponentials.
 
-    As the likelihoods are known, an outcome is drawn from P(u | s, a, o) and the particle weighted by
-    P(o | s, a) = sum over u of P(o | s', a, u) P(u | s, a): no particle is drawn against the observation.
+    As the likelihoods are known, outcomes are drawn from P(u | s, a, o) and particles weighted by
+    P(o | s, a) = sum over u of P(o | s', a, u) P(u | s, a): no particle contradicts the observation.
 
-    history: kept where `rejuvenated` needs it.
+    history: recorded where `rejuvenated` needs it.
 
     >>> from tiger import PROBLEM  # examples/tiger.py
     >>> fp.ParticleBelief.begin(PROBLEM, np.array([[0.0], [0.0], [1.0]])).effective_size()
@@ -83,7 +87,7 @@ class ParticleBelief(Belief):
         return float(1 / np.square(self.weights).sum())
 
     def update(self, action: int, observation: int, rng: np.random.Generator) -> "ParticleBelief":
-        """See Belief.update; an impossible observation is met as by the exact belief."""
+        """See Belief.update; an impossible observation is treated as by the exact belief."""
         self.model.check(action, observation)
         kernel = specialised(move_particles, **{name: self.model.parts[name] for name in PARTS})
         uniforms = rng.random(len(self.weights))
@@ -113,23 +117,23 @@ class ParticleBelief(Belief):
             surprised=surprised,
             history=self.history and self.history.then(action, outcomes, log_outcome),
         )
-        if surprised or belief.effective_size() < MIN_EFFECTIVE_SHARE * len(weights):
+        if surprised or belief.effective_size() < MIN_EFFECTIVE_FRACTION * len(weights):
             return belief.resampled(rng)
         return belief
 
     def resampled(self, rng: np.random.Generator) -> "ParticleBelief":
-        """Equally weighted particles, drawn systematically, then rejuvenated."""
+        """Equally weighted particles by systematic resampling, then rejuvenated."""
         count = len(self.weights)
         ends = np.cumsum(self.weights)
-        places = (rng.random() + np.arange(count)) / count * ends[-1]
-        chosen = np.minimum(np.searchsorted(ends, places, side="right"), np.flatnonzero(self.weights)[-1])
+        positions = (rng.random() + np.arange(count)) / count * ends[-1]
+        chosen = np.minimum(np.searchsorted(ends, positions, side="right"), np.flatnonzero(self.weights)[-1])
         equal = np.full(count, 1 / count)
         history = self.history and self.history.pick(chosen)
         belief = replace(self, states=self.states[chosen], weights=equal, log_weights=np.zeros(count), history=history)
         return belief.rejuvenated(rng)
 
     def rejuvenated(self, rng: np.random.Generator) -> "ParticleBelief":
-        """The same belief; where parameters are hidden, a kind of belief of its own moves them."""
+        """The same belief; subclasses with hidden parameters move them (resample-move)."""
         return self
 
 
@@ -148,7 +152,7 @@ def move_particles(
 ) -> tuple[NDArray[np.int16], Vector, Vector]:
     """Template: move every particle in place.
 
-    Of each (n,): its outcome, log P(outcome | s, a), and log P(o | s, a), -inf if impossible.
+    Returns for each particle (n,): its outcome, log P(outcome | s, a), and log P(o | s, a), -inf if impossible.
     """
     count = len(states)
     chosen = np.zeros(count, np.int16)

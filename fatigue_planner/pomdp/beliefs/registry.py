@@ -1,4 +1,4 @@
-"""The beliefs an experiment file can name, and the one that fits where it names none.
+"""The beliefs that an experiment file can name, and the default where it names none.
 
 To add a belief: write it (see `belief.Belief`); here, its settings (see BeliefSettings) and a name in the last loop.
 From outside the package: `fatigue_planner.register` (see `core.plugins`).
@@ -20,12 +20,12 @@ from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.problem import Vector
 
-# The exact set may hold so many workers; every cycle and every descent of a search goes through them.
+# The most workers in an exact set; every cycle and every descent of a search goes through all of them.
 MAX_EXACT = 1000
 
 
 class BeliefSettings(Settings):
-    """What an experiment file says of a belief; every kind has `kind: Literal["its name"]` and keys of its own.
+    """What an experiment file says about a belief; every kind has `kind: Literal["its name"]` and keys of its own.
 
     >>> experiment.belief is None and isinstance(scenario.belief, fp.BeliefSettings)
     True
@@ -42,7 +42,7 @@ class BeliefSettings(Settings):
         prior: WorkerPrior | None,
         rng: np.random.Generator,
     ) -> Belief:
-        """The belief in states (n, L) with probabilities (n,), of workers as the prior has them (None: the model's)."""
+        """The belief in states (n, L) with probabilities (n,), of workers from the prior (None: the model's)."""
 
 
 class ExactSettings(BeliefSettings):
@@ -61,10 +61,10 @@ class ExactSettings(BeliefSettings):
         """See BeliefSettings.build."""
         if prior is None:
             return ExactBelief(model, states, weights)
-        workers, chances = prior.support()
-        repeated = np.repeat(states, chances.size, axis=0)
-        repeated[:, -1] = np.tile(np.arange(chances.size), len(states))
-        return ExactBelief(model.for_workers(workers), repeated, np.outer(weights, chances).ravel())
+        workers, probabilities = prior.support()
+        repeated = np.repeat(states, probabilities.size, axis=0)
+        repeated[:, -1] = np.tile(np.arange(probabilities.size), len(states))
+        return ExactBelief(model.for_workers(workers), repeated, np.outer(weights, probabilities).ravel())
 
 
 class ParticleSettings(BeliefSettings):
@@ -88,14 +88,14 @@ class ParticleSettings(BeliefSettings):
         return HiddenWorkerBelief.start(model, drawn, prior, rng)
 
 
-# Where the file names no belief and no finite set holds it.
-USUAL_PARTICLES = ParticleSettings(kind="particles", count=300)
+# The default where no finite set can represent the belief.
+DEFAULT_PARTICLES = ParticleSettings(kind="particles", count=300)
 
 
-def fitting(observation_reveals_outcome: bool, prior: WorkerPrior | None) -> BeliefSettings:
-    """The exact set where it stays small: reactions recognised without error, not too many workers."""
+def default_belief(observation_reveals_outcome: bool, prior: WorkerPrior | None) -> BeliefSettings:
+    """The exact set where it stays small: reactions are recognised without error, and workers are few."""
     few = prior is None or prior.size <= MAX_EXACT
-    return ExactSettings(kind="exact") if observation_reveals_outcome and few else USUAL_PARTICLES
+    return ExactSettings(kind="exact") if observation_reveals_outcome and few else DEFAULT_PARTICLES
 
 
 BELIEFS = Registry("belief", BeliefSettings)  # type: ignore[type-abstract]

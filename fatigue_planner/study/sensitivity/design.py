@@ -17,10 +17,10 @@ Design = Literal["base", "one at a time", "space filling"]
 
 @dataclass(frozen=True)
 class Point:
-    """One way to make all choices.
+    """A level for every factor.
 
-    factor: the one that differs from the base experiment's, where only one does; experiment: None where there cannot be
-    one, and `reason` says why.
+    factor: the factor that differs from the base experiment, where only one does; experiment: None where the levels
+    make no valid experiment, and `reason` says why.
     """
 
     name: str
@@ -45,9 +45,9 @@ def design(study: Study) -> list[Point]:
             _point(study, f"{name}={level_text(level)}", "one at a time", name, {name: level}, base | {name: level})
             for level in others
         ]
-    for number, shares in enumerate(_unit_cube(study)):
+    for number, positions in enumerate(_unit_cube(study)):
         factors = study.settings.factors.items()
-        levels = {name: factor.level_at(share) for (name, factor), share in zip(factors, shares, strict=True)}
+        levels = {name: factor.level_at(position) for (name, factor), position in zip(factors, positions, strict=True)}
         points.append(_point(study, f"combination {number + 1}", "space filling", "", levels, levels))
     return points
 
@@ -59,8 +59,8 @@ def _point(
         experiment = parse_experiment(study.changed(changes), name)
     except ExperimentError as error:
         return Point(name, kind, factor, levels, None, str(error).replace("\n", "; "))
-    faults = semantic_errors(experiment)
-    return Point(name, kind, factor, levels, None if faults else experiment, "; ".join(faults))
+    errors = semantic_errors(experiment)
+    return Point(name, kind, factor, levels, None if errors else experiment, "; ".join(errors))
 
 
 def _unit_cube(study: Study) -> list[list[float]]:

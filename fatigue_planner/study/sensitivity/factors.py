@@ -1,8 +1,8 @@
-"""What every kind of factor can do.
+"""The kinds of factors of a study.
 
-A factor is a choice that could have been made otherwise. It has levels (numbers or names), each of which stands for
-changes of an experiment's settings. A share from [0, 1] of the factor's span stands for a level, so that points of the
-unit cube stand for combinations of all factors.
+A factor is a choice that could have been made otherwise. It has levels (numbers or names), each of which
+changes some settings of an experiment. A position in [0, 1] corresponds to a level, so that a point in the unit cube
+corresponds to a combination of all factors.
 """
 
 import math
@@ -20,12 +20,12 @@ from fatigue_planner.core.settings import Settings
 Level = float | str
 Matrix = NDArray[np.float64]
 
-# What the experiment itself says of the keys a factor changes, by dotted key.
+# The experiment's own values of the keys that a factor changes, by dotted key.
 BaseValues = Mapping[str, Any]
 
 
 def level_text(level: Level) -> str:
-    """A level as it is written: a number with as many digits as it needs."""
+    """A level as text: a number with as many digits as it needs."""
     return level if isinstance(level, str) else f"{level:.6g}"
 
 
@@ -35,7 +35,7 @@ def listed_values(values: BaseValues) -> str:
 
 
 class FactorSettings(Settings):
-    """A factor as it stands in a study."""
+    """A factor of a study."""
 
     kind: str
     reason: str = Field(min_length=1, description="Why these levels, for the page of results.")
@@ -49,8 +49,8 @@ class FactorSettings(Settings):
         """The level that is the experiment's own. Raises ExperimentError if there is none."""
 
     @abstractmethod
-    def level_at(self, share: float) -> Level:
-        """The level that a share in [0, 1] of the span stands for."""
+    def level_at(self, position: float) -> Level:
+        """The level at a position in [0, 1]."""
 
     @abstractmethod
     def all_levels(self) -> Sequence[Level]:
@@ -62,11 +62,11 @@ class FactorSettings(Settings):
 
     @abstractmethod
     def regressors(self, levels: Sequence[Level]) -> Matrix:
-        """Columns (points, p), besides a constant, by which the effect of levels (points,) is described."""
+        """Columns (points, p), besides a constant, that describe the effect of levels (points,)."""
 
 
 class ChoiceSettings(FactorSettings):
-    """Levels by name; all give values to the same keys, and one of them gives the experiment's own."""
+    """Levels by name; all set the same keys, and one of them has the experiment's own values."""
 
     kind: Literal["choice"] = Field(description="Named levels, each with values of its own.")
     levels: dict[str, dict[str, Any]] = Field(
@@ -98,81 +98,87 @@ class ChoiceSettings(FactorSettings):
         own = listed_values({key: base[key] for key in self.changed_keys()})
         raise ExperimentError(f"levels: none is the experiment's own ({own}).")
 
-    def level_at(self, share: float) -> Level:
+    def level_at(self, position: float) -> Level:
         """The levels in their order, each for an equal part of [0, 1]."""
         names = list(self.levels)
-        return names[min(int(share * len(names)), len(names) - 1)]
+        return names[min(int(position * len(names)), len(names) - 1)]
 
     def all_levels(self) -> Sequence[Level]:
         """Every name."""
         return list(self.levels)
 
     def changes(self, level: Level, base: BaseValues) -> Mapping[str, Any]:
-        """What the level says."""
+        """The values of the level."""
         return self.levels[str(level)]
 
     def regressors(self, levels: Sequence[Level]) -> Matrix:
-        """One column of zeros and ones for each level that occurs but one, which the constant stands for."""
+        """A column of zeros and ones for each level that occurs, except the first, which the constant represents."""
         names = [name for name in self.levels if name in levels]
         return np.array([[level == name for name in names[1:]] for level in levels], dtype=float)
 
 
-# One at a time: both ends and two levels between them.
+# How many levels are tried one at a time: both ends and two between them.
 LEVELS = 4
-# Levels are rounded to so many significant digits.
+# How many significant digits a level has.
 DIGITS = 4
-# Quotients and differences of levels stay far from where numbers end.
-LARGEST, SMALLEST = 1e12, 1e-12
+# Limits of levels: their quotients and differences neither overflow nor underflow.
+MAX_LEVEL, MIN_LOG_LEVEL = 1e12, 1e-12
 
 
 class SpanSettings(FactorSettings):
-    """What factors whose levels are numbers have in common."""
+    """The base class of factors whose levels are numbers."""
 
     keys: tuple[str, ...] = Field(
         min_length=1, max_length=1000, description="Dotted keys of the experiment's settings that the factor changes."
     )
     first: float = Field(
-        alias="from", ge=-LARGEST, le=LARGEST, description="Lowest level, in the keys' unit; of a scale, without unit."
+        alias="from",
+        ge=-MAX_LEVEL,
+        le=MAX_LEVEL,
+        description="Lowest level, in the keys' unit; of a scale, without unit.",
     )
     last: float = Field(
-        alias="to", ge=-LARGEST, le=LARGEST, description="Highest level, in the keys' unit; of a scale, without unit."
+        alias="to",
+        ge=-MAX_LEVEL,
+        le=MAX_LEVEL,
+        description="Highest level, in the keys' unit; of a scale, without unit.",
     )
     scale: Literal["linear", "log"] = Field(
-        default="linear", description="Whether levels are evenly spaced themselves or in their logarithm."
+        default="linear", description="Whether the levels or their logarithms are evenly spaced."
     )
 
     @model_validator(mode="after")
     def _check_span(self) -> Self:
         if self.first >= self.last:
             raise ValueError(f"from = {self.first:g} must be below to = {self.last:g}")
-        if self.scale == "log" and self.first < SMALLEST:
-            raise ValueError(f"from = {self.first:g} must be above 0 on a log scale, {SMALLEST:g} at least")
+        if self.scale == "log" and self.first < MIN_LOG_LEVEL:
+            raise ValueError(f"from = {self.first:g} must be above 0 on a log scale, {MIN_LOG_LEVEL:g} at least")
         return self
 
     def changed_keys(self) -> tuple[str, ...]:
-        """The keys, all of which get the same level."""
+        """The keys that the factor changes."""
         return self.keys
 
-    def level_at(self, share: float) -> Level:
+    def level_at(self, position: float) -> Level:
         """from at 0, to at 1."""
         if self.scale == "log":
-            value = self.first * (self.last / self.first) ** share
+            value = self.first * (self.last / self.first) ** position
         else:
-            value = self.first + (self.last - self.first) * share
+            value = self.first + (self.last - self.first) * position
         return float(f"{value:.{DIGITS}g}")
 
     def all_levels(self) -> Sequence[Level]:
         """Evenly spaced on the scale."""
-        return [self.level_at(share) for share in np.linspace(0, 1, LEVELS).tolist()]
+        return [self.level_at(position) for position in np.linspace(0, 1, LEVELS).tolist()]
 
     def regressors(self, levels: Sequence[Level]) -> Matrix:
-        """Place on the scale, from -1 to 1, and its square."""
+        """Position on the scale, from -1 to 1, and its square."""
         values = np.array(levels, dtype=float)
         first, last = self.first, self.last
         if self.scale == "log":
             values, first, last = np.log(values), math.log(first), math.log(last)
-        place = 2 * (values - first) / (last - first) - 1
-        return np.column_stack([place, place**2])
+        position = 2 * (values - first) / (last - first) - 1
+        return np.column_stack([position, position**2])
 
 
 class RangeSettings(SpanSettings):
@@ -182,7 +188,7 @@ class RangeSettings(SpanSettings):
     integer: bool = Field(default=False, description="Whether levels are rounded to whole numbers.")
 
     def base_level(self, base: BaseValues) -> Level:
-        """The one value that all keys have."""
+        """The value that all keys have in common."""
         values = {key: base[key] for key in self.keys}
         number = next(iter(values.values()))
         if any(isinstance(value, bool) or not isinstance(value, int | float) for value in values.values()):
@@ -195,9 +201,9 @@ class RangeSettings(SpanSettings):
             )
         return float(number)
 
-    def level_at(self, share: float) -> Level:
-        """from at 0, to at 1; whole numbers where only these make sense."""
-        level = super().level_at(share)
+    def level_at(self, position: float) -> Level:
+        """from at 0, to at 1; rounded to whole numbers if `integer`."""
+        level = super().level_at(position)
         return float(round(float(level))) if self.integer else level
 
     def changes(self, level: Level, base: BaseValues) -> Mapping[str, Any]:

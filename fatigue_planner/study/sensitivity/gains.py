@@ -1,4 +1,4 @@
-"""What planning gains over a baseline at every point, from runs that meet the same worlds."""
+"""What planning gains over a baseline at every point, from runs with common random numbers."""
 
 from collections.abc import Mapping, Sequence
 
@@ -11,7 +11,7 @@ from fatigue_planner.study.statistics.pairing import cells_of
 Vector = NDArray[np.float64]
 
 CONFIDENCE = 0.95
-# Differences of this share of the cost are rounding.
+# Differences up to this fraction of the cost are rounding errors.
 ROUNDING = 1e-12
 COLUMNS = [
     "point", "condition", "n_cycles", "planner", "baseline", "trials", "baseline_cost", "gain", "standard_error",
@@ -22,11 +22,12 @@ COLUMNS = [
 def gain_table(trials: Mapping[str, pd.DataFrame], planners: Sequence[str], baselines: Sequence[str]) -> pd.DataFrame:
     """One row per point, condition, length, planner and baseline (COLUMNS).
 
-    `trials`: by point, as `benchmark.table`'s. gain: by how much the planner's mean cost is below the baseline's, as a
-    share of the baseline's mean cost (0 where nothing costs anything). standard_error, and gain_low, gain_high, its
-    95 % confidence interval by Student's t: of the paired differences, the baseline's mean taken as given. A policy
-    that was run once because all its runs are the same counts for every trial. verdict: better or worse where the
-    interval leaves out 0, else undecided; each for itself, so 5 % of no differences are called one.
+    `trials`: by point, as from `benchmark.tables`. gain: by how much the planner's mean cost is below the baseline's,
+    as a fraction of the baseline's mean cost (0 where nothing costs anything). standard_error, and gain_low, gain_high,
+    its 95 % confidence interval by Student's t: of the paired differences, the baseline's mean taken as given. A policy
+    that was run once, because all its runs are the same, counts for every trial. verdict: better or worse where the
+    interval excludes 0, else undecided; intervals are individual, so 5 % of zero differences are called better or
+    worse.
     """
     rows = []
     for point, table in trials.items():
@@ -66,7 +67,7 @@ def paired_gain(planner: Vector, baseline: Vector, certain: bool) -> tuple[int, 
 
 
 def leader_table(trials: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    """The policy with the least mean cost, one row per point, condition and length."""
+    """The policy with the lowest mean cost, one row per point, condition and length."""
     rows = []
     for point, table in trials.items():
         for condition, n_cycles, cell in cells_of(table):

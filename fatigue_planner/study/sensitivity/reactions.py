@@ -18,7 +18,7 @@ Profiles = dict[ReactionName, CycleProfile]
 
 @dataclass(frozen=True)
 class Reacted:
-    """What a point's reactions come to: their profiles, or None and why some cannot be performed."""
+    """The cycle profiles of a point's reactions, or None and the reason why some cannot be performed."""
 
     point: Point
     profiles: Profiles | None
@@ -26,7 +26,7 @@ class Reacted:
 
 
 def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
-    """Every reaction that some point needs, once."""
+    """Every reaction that any point needs, once."""
     found = {
         request.digest: request
         for point in points
@@ -37,7 +37,7 @@ def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
 
 
 def unique_digests(points: Sequence[Point]) -> dict[str, str]:
-    """Digest of every reaction that some point needs; where names are not unique, it is in the name, too."""
+    """Digest of every reaction that any point needs, by a name that contains part of it, as names repeat."""
     return digests(replace(request, name=_own_name(request)) for request in unique_requests(points))
 
 
@@ -50,10 +50,10 @@ def react(
 ) -> list[Reacted]:
     """All points with the cycle profiles of their reactions.
 
-    Reactions not in the cache are simulated and kept there. A point one of whose reactions fails has no profiles. One
-    motion at a time is held in memory. `progress` hears of every reaction; `command` is what the user ran, for
-    messages. Raises OutputFolderError; LostWorkError, when all others are kept, if some simulations kill their workers:
-    that says nothing about the points.
+    Reactions not in the cache are simulated and stored there. A point with a failed reaction has no profiles. Only one
+    motion at a time is held in memory. `progress` is called for every reaction; `command` is what the user ran, for
+    messages. Raises OutputFolderError, or, once all other reactions are stored, LostWorkError if simulations killed
+    their workers: that says nothing about the points.
     """
     requests = unique_requests(points)
     outcomes = cache.complete(requests, executor, progress)

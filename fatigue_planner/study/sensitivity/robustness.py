@@ -1,4 +1,4 @@
-"""Which of the paper's claims hold how often, over all points that can be performed."""
+"""How often each of the paper's claims holds, over all points that can be performed."""
 
 from collections.abc import Callable, Mapping
 
@@ -9,8 +9,8 @@ from fatigue_planner.study.claims.evaluation import Judgements, judge_claims
 from fatigue_planner.study.claims.loader import Claims
 from fatigue_planner.study.statistics.contrasts import contrasts
 
-# No verdict rests on a resampled number, so that the fewest are enough.
-FEWEST_RESAMPLES = 99
+# No verdict depends on resampling, so the smallest allowed number is enough.
+MIN_RESAMPLES = 99
 
 # The verdicts on the claims, by claim, from the trials of one point.
 VerdictsOf = Callable[[pd.DataFrame], Mapping[str, Judgements]]
@@ -20,13 +20,13 @@ ANALYSES = ("modern", "paper")
 
 
 def judge(claims: Claims) -> VerdictsOf:
-    """How the claims are judged at a point: as in the base experiment, policies it does not have left aside."""
+    """How the claims are judged at a point: as in the base experiment, ignoring policies it does not have."""
     experiment = claims.experiment
-    few = experiment.statistics.model_copy(update={"resamples": FEWEST_RESAMPLES})
+    statistics = experiment.statistics.model_copy(update={"resamples": MIN_RESAMPLES})
 
     def verdicts_of(trials: pd.DataFrame) -> Mapping[str, Judgements]:
         own = trials[trials["policy"].isin(experiment.benchmark.policies)]
-        return judge_claims(claims.claims, own, contrasts(own, few, experiment.benchmark.seed), few)
+        return judge_claims(claims.claims, own, contrasts(own, statistics, experiment.benchmark.seed), statistics)
 
     return verdicts_of
 
@@ -34,7 +34,7 @@ def judge(claims: Claims) -> VerdictsOf:
 def claim_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> pd.DataFrame:
     """How many points have which verdict.
 
-    One row per claim, analysis (modern, or the paper's own) and verdict: points, and share of all points.
+    One row per claim, analysis (modern, or the paper's own) and verdict: points, and share: the fraction of all points.
     """
     rows = [
         (claim, analysis, getattr(judgements, analysis).answer.verdict)
@@ -48,8 +48,8 @@ def claim_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> 
     return counts
 
 
-def reproduced_share(claims: pd.DataFrame) -> pd.Series:
-    """By claim, in which share of the points it is reproduced (modern analysis), the most robust claim first."""
+def reproduced_fraction(claims: pd.DataFrame) -> pd.Series:
+    """By claim, the fraction of the points at which it is reproduced (modern analysis), the largest first."""
     own = claims[claims["analysis"] == ANALYSES[0]]
     held = own["share"].where(own["verdict"] == REPRODUCED, 0.0)
     return held.groupby(own["claim"], sort=False).sum().sort_values(ascending=False, kind="stable")

@@ -1,4 +1,4 @@
-"""The runs of all points in one grid: in parallel, resumed, and what two points have in common run once."""
+"""The runs of all points in a single grid: in parallel, resumable, with cells that points share run once."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -18,34 +18,34 @@ from fatigue_planner.study.sensitivity.reactions import Reacted
 class StudyGrid:
     """The cells of all points that can be performed.
 
-    cells: every different cell once; of_point: by point, in the grid's order, the places of its cells among them.
+    cells: every different cell once; of_point: by point, in the grid's order, the indices of its cells.
     """
 
     def __init__(self, reacted: Sequence[Reacted]) -> None:
-        places: dict[str, int] = {}
+        indices: dict[str, int] = {}
         self.cells: list[Cell] = []
         self.of_point: dict[str, list[int]] = {}
-        for one in reacted:
-            if one.point.experiment is None or one.profiles is None:
+        for result in reacted:
+            if result.point.experiment is None or result.profiles is None:
                 continue
-            own = cells(one.point.experiment, one.profiles)
+            own = cells(result.point.experiment, result.profiles)
             for cell in own:
                 digest = cell.digest()
-                if digest not in places:
-                    places[digest] = len(self.cells)
+                if digest not in indices:
+                    indices[digest] = len(self.cells)
                     self.cells.append(cell)
-                self.of_point.setdefault(one.point.name, []).append(places[digest])
+                self.of_point.setdefault(result.point.name, []).append(indices[digest])
 
     def run(
         self, store: Path, executor: Executor, progress: Callable[[Job[TrialResult], int], None]
     ) -> tuple[Mapping[str, pd.DataFrame], list[str]]:
-        """The trials of every point, as `benchmark.table.trial_table` without times, and warnings about damaged files.
+        """The trials of every point, as `benchmark.tables.trial_table` without times; warnings about damaged files.
 
-        Raises as `benchmark.runner.run_grid`, whose `progress` this is.
+        `progress` and the errors raised are those of `benchmark.runner.run_grid`.
         """
         results, warnings = run_grid(self.cells, store, executor, progress)
         tables = {
-            point: trial_table([self.cells[place] for place in places], [results[place] for place in places])
-            for point, places in self.of_point.items()
+            point: trial_table([self.cells[index] for index in indices], [results[index] for index in indices])
+            for point, indices in self.of_point.items()
         }
         return {point: table.drop(columns=[ACTIONS, *TIMES]) for point, table in tables.items()}, warnings

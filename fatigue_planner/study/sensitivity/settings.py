@@ -13,7 +13,7 @@ MAX_FACTORS = 50
 
 
 class Grid(Settings):
-    """The runs at every point; what is left out is as in the base experiment."""
+    """The runs at every point; the base experiment gives what is left out."""
 
     conditions: tuple[Name, ...] | None = Field(
         default=None, min_length=1, description="Conditions of the base experiment; left out, all."
@@ -24,16 +24,14 @@ class Grid(Settings):
     policies: tuple[Name, ...] | None = Field(
         default=None, min_length=1, description="Policies of the base experiment; left out, all."
     )
-    further_policies: dict[Name, AnyPolicy] = Field(
-        default_factory=dict, description="Policies by name that the base experiment does not have."
-    )
+    further_policies: dict[Name, AnyPolicy] = Field(default_factory=dict, description="Additional policies, by name.")
     trials: int | None = Field(
         default=None, ge=1, le=1_000_000, description="Trials per cell; left out, as many as in the base experiment."
     )
 
 
 class Headline(Settings):
-    """The comparison that sentences and figures speak of; the tables hold all."""
+    """The comparison that sentences and figures are about; the tables contain all comparisons."""
 
     planner: Name = Field(description="One of the planners.")
     condition: Name = Field(description="One of the grid's conditions.")
@@ -41,7 +39,7 @@ class Headline(Settings):
 
 
 class SpaceFilling(Settings):
-    """All factors at once: a scrambled Sobol sequence, which is even only in powers of two."""
+    """All factors at once: a scrambled Sobol sequence, which is balanced only for powers of two."""
 
     points: int = Field(ge=2, le=65_536, description="Number of points, a power of two.")
     seed: Seed = Field(description="Seed of the scrambling.")
@@ -49,12 +47,14 @@ class SpaceFilling(Settings):
     @model_validator(mode="after")
     def _check_points(self) -> Self:
         if self.points & (self.points - 1):
-            raise ValueError(f"points = {self.points}: should be a power of two, as Sobol's sequence is even only then")
+            raise ValueError(
+                f"points = {self.points}: should be a power of two, as Sobol's sequence is balanced only then"
+            )
         return self
 
 
 class StudySettings(Settings):
-    """How the comparison of planners with baselines depends on choices that could have been made otherwise."""
+    """A study of how the comparison of planners with baselines depends on choices that could have been different."""
 
     name: Name = Field(description="Name of the study; results go to a folder of this name.")
     base: str = Field(
@@ -73,5 +73,5 @@ class StudySettings(Settings):
         "of this file.",
     )
     factors: dict[Name, AnyFactor] = Field(
-        min_length=1, max_length=MAX_FACTORS, description="What could have been chosen otherwise, by name."
+        min_length=1, max_length=MAX_FACTORS, description="Choices that could have been different, by name."
     )

@@ -1,4 +1,4 @@
-"""From a study file to a study, or one clear message."""
+"""Loading a study file, with one clear message if it is wrong."""
 
 import itertools
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ from fatigue_planner.study.sensitivity.factors import Level
 from fatigue_planner.study.sensitivity.keys import KeyPath, find, overlap, value_at, with_value
 from fatigue_planner.study.sensitivity.settings import StudySettings
 
-# What must be the same at all points, so that their results can be compared, or is not part of a point.
+# Keys that must be the same at all points, so that their results can be compared, or that are not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
-FEWEST_TRIALS = 2
+MIN_TRIALS = 2
 MAX_REACTIONS = 500
 
 
@@ -29,8 +29,9 @@ MAX_REACTIONS = 500
 class Study:
     """A study whose factors are known to fit its base experiment.
 
-    content: the base experiment's file with the grid of the study; base: what it says; paths: where each key that a
-    factor changes is; base_values: what the base experiment says there, by key; claims: about the base experiment.
+    content: the base experiment's file with the grid of the study; base: the experiment it describes; paths: of the
+    keys that factors change; base_values: the base experiment's values of these keys; claims: about the base
+    experiment.
     """
 
     settings: StudySettings
@@ -57,8 +58,8 @@ class Study:
 def load_study(path: Path) -> Study:
     """The study of a file, checked completely.
 
-    Raises ExperimentError naming file, factor, key, value and what is allowed; a level outside of what the
-    experiment's schema allows is found here, before anything is run.
+    Raises ExperimentError naming file, factor, key, value and what is allowed; a level outside the limits of the
+    experiment's schema is found here, before anything is run.
     """
     path = find_shipped(path)
     settings = _read_settings(path)
@@ -71,8 +72,8 @@ def load_study(path: Path) -> Study:
     base = parse_experiment(content, f"{path}: the grid on {base_file}")
     if (reactions := len(base.workers) * len(base.actions) * len(base.preferences)) > MAX_REACTIONS:
         raise ExperimentError(
-            f"{path}: base = {settings.base!r}: has {reactions} reactions, all of which change from point to point; "
-            f"at most {MAX_REACTIONS}."
+            f"{path}: base = {settings.base!r}: has {reactions} reactions, which may all change from point to point; "
+            f"at most {MAX_REACTIONS} are allowed."
         )
     _check_names(path, settings, base)
     plain = base.plain()
@@ -89,7 +90,7 @@ def load_study(path: Path) -> Study:
                 raise ExperimentError(f"{where}: {key}: must be the same at all points.")
             for other, owner in owners.items():
                 if overlap(found, other):
-                    raise ExperimentError(f"{where}: {key}: is changed by factor {owner!r} already.")
+                    raise ExperimentError(f"{where}: {key}: is already changed by factor {owner!r}.")
             owners[found] = name
             paths[key] = found
     values = {key: value_at(plain, at) for key, at in paths.items()}
@@ -120,10 +121,10 @@ def _read_settings(path: Path) -> StudySettings:
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
-    """The base experiment's content with the study's name and grid, without what speaks of the old grid."""
+    """The base experiment's content with the study's name and grid, without figures and families of the old grid."""
     grid = settings.grid
     if content["name"] == settings.name:
-        raise ExperimentError(f"name = {settings.name!r}: is the base experiment's, whose results it would mix with.")
+        raise ExperimentError(f"name = {settings.name!r}: is the base experiment's; their results would be mixed.")
     benchmark = content["benchmark"]
     changes: dict[str, Any] = {}
     for key in ("conditions", "policies"):
@@ -156,10 +157,10 @@ def _check_names(path: Path, settings: StudySettings, base: Experiment) -> None:
         _check_known("headline.planner", [headline.planner], settings.planners)
         _check_known("headline.condition", [headline.condition], grid.conditions)
         _check_known("headline.n_cycles", [headline.n_cycles], grid.n_cycles)
-        if grid.trials < FEWEST_TRIALS:
-            raise ExperimentError(f"grid.trials = {grid.trials}: intervals need at least {FEWEST_TRIALS}.")
+        if grid.trials < MIN_TRIALS:
+            raise ExperimentError(f"grid.trials = {grid.trials}: intervals need at least {MIN_TRIALS}.")
         if both := [name for name in settings.planners if name in settings.baselines]:
-            raise ExperimentError(f"baselines: {both[0]!r} is among the planners, too.")
+            raise ExperimentError(f"baselines: {both[0]!r} is also among the planners.")
     except ExperimentError as error:
         raise ExperimentError(f"{path}: {error}") from error
 
@@ -169,11 +170,11 @@ def _check_known(key: str, named: Any, known: Any) -> None:
     if unknown:
         raise ExperimentError(f"{key}: {listed(unknown)}; known are {listed(known)}.")
     if len(set(named)) < len(named):
-        raise ExperimentError(f"{key}: {listed(named)}: something stands twice.")
+        raise ExperimentError(f"{key}: {listed(named)}: a name is given twice.")
 
 
 def _check_levels(path: Path, study: Study) -> None:
-    """Every level of every factor must be one that the schema allows, and be a level of its own."""
+    """Check that the schema allows every level of every factor, and that the levels differ."""
     for name, factor in study.settings.factors.items():
         where = f"{path}: factors.{name}"
         try:
@@ -183,8 +184,8 @@ def _check_levels(path: Path, study: Study) -> None:
         contents = {level: study.changed({name: level}) for level in factor.all_levels()}
         if len(contents) < len(factor.all_levels()):
             raise ExperimentError(f"{where}: its levels {listed(factor.all_levels())} are not all different.")
-        for (one, content), (other, another) in itertools.combinations(contents.items(), 2):
-            if content == another:
-                raise ExperimentError(f"{where}: its levels {shortened(one)} and {shortened(other)} are the same.")
+        for (level, content), (other, other_content) in itertools.combinations(contents.items(), 2):
+            if content == other_content:
+                raise ExperimentError(f"{where}: its levels {shortened(level)} and {shortened(other)} are the same.")
         for level, content in contents.items():
             parse_experiment(content, f"{where} at {shortened(level)}")

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from fatigue_planner.study.sensitivity.conclusions import lessons
+from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.factors import level_text
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table
 from fatigue_planner.study.sensitivity.importance import importance_table
@@ -16,10 +16,10 @@ from fatigue_planner.study.sensitivity.study import Study
 
 @dataclass(frozen=True)
 class StudyTables:
-    """What a study comes to; each table is described where it is made.
+    """The results of a study; each table is described where it is made.
 
     factors: one row per factor: its levels, the base experiment's own, and the reason for them.
-    points: one row per point: its design, whether it is feasible and if not why, and its level of every factor.
+    points: one row per point: its design, whether it is feasible, the reason if not, and its level of every factor.
     claims: None if the claims were not judged.
     """
 
@@ -29,10 +29,10 @@ class StudyTables:
     leaders: pd.DataFrame
     importance: pd.DataFrame
     claims: pd.DataFrame | None
-    lessons: list[str]
+    conclusions: list[str]
 
     def files(self) -> dict[str, pd.DataFrame]:
-        """The tables by the name of their file."""
+        """The tables by the names of their files."""
         tables = {"factors": self.factors, "points": self.points, "gains": self.gains}
         tables |= {"leaders": self.leaders, "importance": self.importance}
         return tables if self.claims is None else tables | {"claims_over_points": self.claims}
@@ -46,12 +46,12 @@ def study_tables(
 ) -> StudyTables:
     """All tables and sentences from the trials of every point; `verdicts_of` judges the paper's claims at a point."""
     settings = study.settings
-    points = [one.point for one in reacted]
+    points = [result.point for result in reacted]
     gains = gain_table(trials, settings.planners, settings.baselines)
     leaders = leader_table(trials)
     importance = importance_table(points, gains, settings.factors, settings.space_filling.seed)
     claims = None if verdicts_of is None else claim_table(trials, verdicts_of)
-    sentences = lessons(settings, points, gains, importance, leaders, claims, study.base.statistics)
+    sentences = conclusions(settings, points, gains, importance, leaders, claims, study.base.statistics)
     return StudyTables(_factor_table(study), _point_table(reacted), gains, leaders, importance, claims, sentences)
 
 
@@ -71,12 +71,12 @@ def _factor_table(study: Study) -> pd.DataFrame:
 def _point_table(reacted: Sequence[Reacted]) -> pd.DataFrame:
     return pd.DataFrame(
         {
-            "point": one.point.name,
-            "design": one.point.design,
-            "factor": one.point.factor,
-            "feasible": one.profiles is not None,
-            **one.point.levels,
-            "reason": one.reason,
+            "point": result.point.name,
+            "design": result.point.design,
+            "factor": result.point.factor,
+            "feasible": result.profiles is not None,
+            **result.point.levels,
+            "reason": result.reason,
         }
-        for one in reacted
+        for result in reacted
     )

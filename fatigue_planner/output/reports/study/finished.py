@@ -15,14 +15,14 @@ from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.sensitivity.settings import Headline
 
 COMMAND = "fatplan sensitivity"
-LESSONS_FILE = "lessons.txt"
+CONCLUSIONS_FILE = "lessons.txt"
 FIGURES = "figures"
-# What may differ between a study's base and the experiment a report is about: a study has a grid of its own.
+# Keys that may differ between a study's base and the experiment of a report: a study has its own grid.
 OF_THE_GRID = ("name", "benchmark", "statistics", "figures")
 
 
 class NotedStudy(BaseModel):
-    """The part of a study file that its page speaks of."""
+    """The part of a study file that its page uses."""
 
     name: str
     baselines: tuple[str, ...]
@@ -30,7 +30,7 @@ class NotedStudy(BaseModel):
 
 
 class StudyNote(Note):
-    """What `fatplan sensitivity` notes: study and base experiment as plain values, seed, names of the figures."""
+    """What `fatplan sensitivity` records: study and base experiment as plain values, seed, names of the figures."""
 
     study: NotedStudy
     experiment: dict[str, Any]
@@ -40,19 +40,19 @@ class StudyNote(Note):
 
 @dataclass(frozen=True)
 class FinishedStudy:
-    """What a study left in a folder.
+    """The results of a study in a folder.
 
-    lessons: its sentences; tables: by the names of `sensitivity.tables`, without .csv.
+    conclusions: its sentences; tables: by the names in `sensitivity.tables`, without .csv.
     """
 
     folder: Path
     note: StudyNote
-    lessons: list[str]
+    conclusions: list[str]
     tables: dict[str, pd.DataFrame]
 
     @property
     def headline(self) -> Headline:
-        """The comparison that its sentences and figures speak of."""
+        """The comparison that its sentences and figures are about."""
         return self.note.study.headline
 
     @property
@@ -70,26 +70,26 @@ class FinishedStudy:
 
 
 def read_study(folder: Path) -> FinishedStudy:
-    """The study in a folder. Raises DamagedFileError if its files are not what was written."""
+    """The study in a folder. Raises DamagedFileError if its files are not as they were written."""
     note = read_note(folder, "sensitivity", StudyNote, COMMAND)
     for file in note.sha256:
         check_intact(folder, note, file, COMMAND)
     files = [Path(file) for file in note.sha256]
     tables = {file.stem: _table(folder / file) for file in files if file.suffix == ".csv" and len(file.parts) == 1}
-    return FinishedStudy(folder, note, (folder / LESSONS_FILE).read_text(encoding="utf-8").splitlines(), tables)
+    return FinishedStudy(folder, note, (folder / CONCLUSIONS_FILE).read_text(encoding="utf-8").splitlines(), tables)
 
 
 def study_of(experiment: Experiment, results: Path) -> FinishedStudy | None:
     """The study in a results folder whose base is this experiment, with the same reactions; the first by name.
 
-    Raises DamagedFileError if its files are not what was written.
+    Raises DamagedFileError if its files are not as they were written.
     """
     now, reactions = experiment.plain(), set(digests(reaction_requests(experiment)).values())
     for manifest in sorted(results.glob(f"*/{MANIFEST_FILE}")):
         try:
             note = read_note(manifest.parent, "sensitivity", StudyNote, COMMAND)
         except DamagedFileError:
-            continue  # another kind of results, or of another version
+            continue  # results of another kind or version
         same = all(note.experiment.get(key) == now[key] for key in now if key not in OF_THE_GRID)
         if same and reactions <= set(note.reactions.values()):
             return read_study(manifest.parent)

@@ -16,7 +16,7 @@ from fatigue_planner.study.sensitivity.robustness import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
 MAX_REASON_LENGTH = 240
-WIDEST = 3  # settings that the words for a tornado chart name
+WIDEST = 3  # how many settings the text for a tornado chart names
 COMBINED = "space filling"
 
 
@@ -24,7 +24,7 @@ def study_page(study: FinishedStudy, command: str) -> str:
     """The page (HTML) of a study in its own folder; `command` makes it."""
     note = study.note
     provenance: list[Block] = [
-        Text("This command makes the tables and this page again:"),
+        Text("This command reproduces the tables and this page:"),
         Code(command),
         Text(
             f"Seed {note.seed}; {len(note.reactions)} reactions. Versions, configuration and hashes are in "
@@ -43,31 +43,32 @@ def study_page(study: FinishedStudy, command: str) -> str:
         f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number was typed by hand."
     )
     title = f"When does planning pay? The study {note.study.name}"
-    return page(title, subtitle, [lessons(study)], [section for section in sections if section is not None])
+    return page(title, subtitle, [conclusions(study)], [section for section in sections if section is not None])
 
 
-def lessons(study: FinishedStudy) -> Points:
-    """What one learns."""
-    return Points(study.lessons)
+def conclusions(study: FinishedStudy) -> Points:
+    """The sentences that a study concludes with."""
+    return Points(study.conclusions)
 
 
 def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[Block]:
-    """Which settings decide: a table of (at most so many) settings for each baseline, and all figures.
+    """Which settings decide: a table of settings (at most `most`) for each baseline, and all figures.
 
-    `where` is the way to the study's folder from the page, `` or ending in a slash.
+    `where`: path from the page to the study's folder, empty or ending in a slash.
     """
     headline = study.headline
-    here = _of_the_headline(study, study.tables["importance"])
+    importance = _of_the_headline(study, study.tables["importance"])
     if most is not None:
-        here = here.groupby("baseline", sort=False).head(most)
+        importance = importance.groupby("baseline", sort=False).head(most)
     rows = [
         [
-            format_label(row["baseline"]), format_label(row["factor"]), _share(row["share"]),
-            "–" if pd.isna(row["share_low"]) else f"{_share(row['share_low'])} to {_share(row['share_high'])}",
-            _p_value(row["p_value"]), _share(row["rank_share"]), _p_value(row["rank_p_value"]), _share(row["swing"]),
+            format_label(row["baseline"]), format_label(row["factor"]), _fraction(row["share"]),
+            "–" if pd.isna(row["share_low"]) else f"{_fraction(row['share_low'])} to {_fraction(row['share_high'])}",
+            _p_value(row["p_value"]), _fraction(row["rank_share"]), _p_value(row["rank_p_value"]),
+            _fraction(row["swing"]),
             f"{format_label(row['least_at'])} → {format_label(row['most_at'])}" if row["swing"] > 0 else "–",
         ]
-        for row in records(here.fillna({"least_at": "", "most_at": ""}))
+        for row in records(importance.fillna({"least_at": "", "most_at": ""}))
     ]  # fmt: skip
     caption = (
         f"What `{headline.planner}` gains over each baseline ({format_label(headline.condition)}, {headline.n_cycles} "
@@ -114,7 +115,7 @@ def over_all_cells(study: FinishedStudy, where: str) -> Table:
 
 
 def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
-    """How often each claim is reproduced over all settings tried; none if they were not judged."""
+    """How often each claim is reproduced over all settings tried; None if they were not judged."""
     claims = study.tables.get("claims_over_points")
     if claims is None:
         return None
@@ -137,7 +138,7 @@ def claims_over_points(study: FinishedStudy, where: str) -> Section | None:
 
 
 def tried(study: FinishedStudy, where: str) -> Table:
-    """The settings, their levels, and why these."""
+    """The settings, their levels, and the reasons for these."""
     rows = [
         [format_label(row["factor"]), row["levels"], str(row["base"]), row["reason"]]
         for row in records(study.tables["factors"])
@@ -147,7 +148,7 @@ def tried(study: FinishedStudy, where: str) -> Table:
 
 
 def infeasible(study: FinishedStudy, where: str) -> list[Block]:
-    """What the digital human cannot do."""
+    """The points that the digital human cannot perform, with reasons."""
     points = study.tables["points"]
     counts = Counter(points["design"])
     failed = points[~points["feasible"].astype(bool)]
@@ -163,12 +164,12 @@ def infeasible(study: FinishedStudy, where: str) -> list[Block]:
 
 
 def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
-    here = at_headline(table, study.headline)
-    return here[here["planner"] == study.headline.planner]
+    rows = at_headline(table, study.headline)
+    return rows[rows["planner"] == study.headline.planner]
 
 
-def _share(share: float) -> str:
-    return "–" if pd.isna(share) else brief_percent(share)
+def _fraction(fraction: float) -> str:
+    return "–" if pd.isna(fraction) else brief_percent(fraction)
 
 
 def _p_value(p_value: float) -> str:
@@ -209,5 +210,5 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
     return Picture(study.svg(name), caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")
 
 
-def _listed(table: pd.DataFrame, name: str, share: str) -> str:
-    return listing([f"{format_label(row[name])} {brief_percent(row[share])}" for row in records(table)])
+def _listed(table: pd.DataFrame, name: str, fraction: str) -> str:
+    return listing([f"{format_label(row[name])} {brief_percent(row[fraction])}" for row in records(table)])

@@ -29,7 +29,7 @@ def findings(report_data: ReportData) -> list[str]:
         file = report_data.claims_file.name
         items.append(f"{counted(left_out, 'claim')} of `{file}` not judged: about more than this grid.")
     if (study := report_data.study) is not None:
-        items.append(f"The study `{study.note.study.name}` of other settings: {study.lessons[0]}")
+        items.append(f"The study `{study.note.study.name}` of other settings: {study.conclusions[0]}")
     return items
 
 
