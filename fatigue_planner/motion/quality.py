@@ -1,4 +1,4 @@
-"""How good a motion is, which joints are at their torque limit, and the verdict on it."""
+"""How good a motion is: which joints are at their torque limit, what it fulfils, and the verdict on it."""
 
 from dataclasses import asdict, dataclass
 from typing import Literal, NamedTuple
@@ -13,6 +13,19 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 AT_LIMIT = 0.999  # of the maximum torque
+
+Verdict = Literal["ok", "degraded", "failed"]
+
+# Values that inform, or have a message of their own.
+NOT_BARS = (
+    "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
+    "saturated_joint", "eased_ticks", "eased_radps2",
+)  # fmt: skip
+REMEDIES = {
+    "foot_displacement_m": "a smaller controller.time_step_s helps",
+    "energy_error_share": "a smaller controller.time_step_s helps",
+    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
+}
 
 
 class Saturation(NamedTuple):
@@ -32,20 +45,6 @@ def saturation(torque_nm: Matrix, positive_nm: Vector, negative_nm: Vector) -> S
     joint = int(share.argmax())
     name = DEGREES_OF_FREEDOM[joint] if share[joint] > 0 else ""
     return Saturation(name, float(share[joint]), int(at_limit[:, joint].argmax()))
-
-
-Verdict = Literal["ok", "degraded", "failed"]
-
-# Values that inform, or have a message of their own.
-NOT_BARS = (
-    "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
-    "saturated_joint", "eased_ticks", "eased_radps2",
-)  # fmt: skip
-REMEDIES = {
-    "foot_displacement_m": "a smaller controller.time_step_s helps",
-    "energy_error_share": "a smaller controller.time_step_s helps",
-    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
-}
 
 
 @dataclass(frozen=True)

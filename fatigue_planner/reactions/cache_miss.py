@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fatigue_planner.reactions.reaction import ReactionKey, ReactionName, ReactionRequest
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest
 
 
 @dataclass(frozen=True)

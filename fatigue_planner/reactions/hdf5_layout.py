@@ -1,4 +1,4 @@
-"""An entry of the cache: one self-describing HDF5 file with one reaction, sealed (see `seal`).
+"""The layout of an entry of the cache: one self-describing HDF5 file with one reaction, after its checksum.
 
 attributes                  format, format_version, degrees_of_freedom
 key                         JSON: settings, sources, versions; its SHA-256 is the reaction's digest (`ReactionKey`)
@@ -34,12 +34,16 @@ from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MAX_TICKS, PHASES
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
 
 T = TypeVar("T")
 
-# How an HDF5 file begins that leaves no room for a seal.
+# What a file of ours begins with: the SHA-256 of all that follows.
+CHECKSUM_BYTES = 512
+_CHECKSUM_MARK = b"fatplan sha256 "
+# How an HDF5 file begins that has no checksum before it.
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
 FORMAT_VERSION = 3  # to be raised when Motion, Quality or the layout above change
@@ -107,7 +111,7 @@ def entry_bytes(reaction: Reaction) -> bytes:
             data.attrs["units"] = units
             data.attrs["columns"] = columns
             file.flush()  # else where it stands in the file depends on when Python lets go of it
-    return sealed(content.getvalue())
+    return with_checksum(content.getvalue())
 
 
 def read_entry(content: bytes, source: str) -> Reaction:
@@ -136,7 +140,7 @@ def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[s
 
 def _check_format(content: bytes, source: str) -> None:
     if content.startswith(HDF5_MARK):
-        raise OtherVersionError(f"{source}: has no seal; it is an earlier version's, or not fatplan's.")
+        raise OtherVersionError(f"{source}: has no checksum; it is an earlier version's, or not fatplan's.")
     if not has_valid_checksum(content):
         raise DamagedFileError(f"{source}: does not match its hash; it was altered or damaged.")
     try:
@@ -226,20 +230,16 @@ def _content_sha256(reaction: Reaction) -> str:
     return digest.hexdigest()
 
 
-CHECKSUM_BYTES = 512
-_MARK = b"fatplan sha256 "
-
-
-def sealed(content: bytes) -> bytes:
-    """A content that begins with CHECKSUM_BYTES free bytes, with its seal in them."""
-    return _seal(content) + content[CHECKSUM_BYTES:]
+def with_checksum(content: bytes) -> bytes:
+    """A content that begins with CHECKSUM_BYTES free bytes, with its checksum in them."""
+    return _checksum(content) + content[CHECKSUM_BYTES:]
 
 
 def has_valid_checksum(content: bytes) -> bool:
-    """Whether a content is, to the bit, what was sealed."""
-    return len(content) > CHECKSUM_BYTES and content[:CHECKSUM_BYTES] == _seal(content)
+    """Whether a content is, to the bit, what its checksum was made of."""
+    return len(content) > CHECKSUM_BYTES and content[:CHECKSUM_BYTES] == _checksum(content)
 
 
-def _seal(content: bytes) -> bytes:
+def _checksum(content: bytes) -> bytes:
     digest = hashlib.sha256(memoryview(content)[CHECKSUM_BYTES:]).hexdigest()
-    return (_MARK + digest.encode() + b"\n").ljust(CHECKSUM_BYTES, b"\0")
+    return (_CHECKSUM_MARK + digest.encode() + b"\n").ljust(CHECKSUM_BYTES, b"\0")

@@ -5,17 +5,12 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from fatigue_planner.core.files import DIGEST_LENGTH, digest_of, digests_of_package
-from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
-
-# What produces the numbers of a motion besides its settings: folders and modules of this package.
-SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
-# The QP solvers come with casadi.
-NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
+from fatigue_planner.reactions.key import ReactionKey, sources, versions
 
 
 class ReactionName(NamedTuple):
@@ -27,33 +22,6 @@ class ReactionName(NamedTuple):
 
     def __str__(self) -> str:
         return "/".join(self)
-
-
-@dataclass(frozen=True)
-class ReactionKey:
-    """Everything that decides a reaction.
-
-    settings: of the motion, as plain data, strengths written out; sources: SHA-256 of every file of this package that
-    produces it; versions: of the numerical libraries, solvers included.
-    """
-
-    settings: Mapping[str, Any]
-    sources: Mapping[str, str]
-    versions: Mapping[str, str]
-
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of all of it, in hex."""
-        return digest_of(self.plain())
-
-    @property
-    def is_current(self) -> bool:
-        """Whether this program, with these libraries, would make such a reaction."""
-        return (self.sources, self.versions) == (sources(), versions())
-
-    def plain(self) -> dict[str, Any]:
-        """The key as JSON values."""
-        return {"settings": self.settings, "sources": self.sources, "versions": self.versions}
 
 
 @dataclass(frozen=True)
@@ -111,13 +79,3 @@ def file_name(name: ReactionName, digest: str) -> str:
 def digests(requests: Iterable[ReactionRequest]) -> dict[str, str]:
     """The digest of every reaction, by name."""
     return {str(request.name): request.digest for request in requests}
-
-
-def sources() -> dict[str, str]:
-    """SHA-256 of every file of this package that decides the numbers of a motion."""
-    return digests_of_package(*SOURCES)
-
-
-def versions() -> dict[str, str]:
-    """Versions of the libraries that decide the numbers of a motion."""
-    return versions_of(*NUMERICAL_LIBRARIES)

@@ -41,9 +41,10 @@ from fatigue_planner.reactions.hdf5_layout import (
     entry_bytes,
     read_entry,
     read_key,
-    sealed,
+    with_checksum,
 )
-from fatigue_planner.reactions.reaction import ReactionKey, file_name
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import file_name
 
 MAX_CPU_S = 2.0
 MAX_MIB = 800  # of the process that reads; it has some 45 at rest, and some 620 after the longest motion there can be
@@ -140,25 +141,25 @@ def latest(_: Path) -> bytes:
     ):
         for name in old:
             old.copy(name, new)
-    return sealed(content.getvalue())
+    return with_checksum(content.getvalue())
 
 
 def moved(_: Path) -> bytes:
     whole = small_entry()
-    return sealed(whole[:512] + bytes(512) + whole[512:])
+    return with_checksum(whole[:512] + bytes(512) + whole[512:])
 
 
 def superblock(version: int) -> Build:
     def build(_: Path) -> bytes:
         whole = bytearray(small_entry())
         whole[512 + 8] = version
-        return sealed(bytes(whole))
+        return with_checksum(bytes(whole))
 
     return build
 
 
 def cut(at: float) -> Build:
-    return lambda _: sealed(small_entry()[: int(len(small_entry()) * at)])
+    return lambda _: with_checksum(small_entry()[: int(len(small_entry()) * at)])
 
 
 def committed(file: h5py.File) -> None:
@@ -264,7 +265,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "superblock 3 that is none": (superblock(3), "cannot be read as HDF5"),
     "cut in the middle": (cut(0.5), "cannot be read as HDF5"),
     "cut after the superblock": (cut(0.02), "cannot be read as HDF5"),
-    "nothing but a seal": (lambda _: sealed(bytes(600)), "cannot be read as HDF5"),
+    "nothing but a checksum": (lambda _: with_checksum(bytes(600)), "cannot be read as HDF5"),
     "deep JSON": (key("[" * 100_000 + "]" * 100_000), NOT_OURS),
     "deep JSON, whole": (key(valid_key(x=0).replace(':0', ':' + "[" * 3000 + "]" * 3000)), NOT_OURS),
     "NaN": (key(valid_key(x=0).replace('"x":0', '"x":NaN')), NOT_OURS),
@@ -441,7 +442,7 @@ def broken_files(folder: Path) -> dict[str, tuple[Path, str]]:
         "itself": (folder / "itself", "cannot be read"),
         "sparse": (folder / "sparse", f"has {MAX_BYTES + 1} bytes; none of ours has more"),
         "empty": (folder / "empty", "does not match its hash"),
-        "bare": (folder / "bare", "has no seal"),
+        "bare": (folder / "bare", "has no checksum"),
     }
 
 
@@ -577,7 +578,7 @@ def test_a_bundle_that_is_no_file_is_refused_at_once(kind: str, tmp_path: Path) 
 
 def test_hostile_settings_are_one_line(tmp_path: Path) -> None:
     """Current in everything but what it describes: refused by the verify_entry, without an end of the program."""
-    from fatigue_planner.reactions.reaction import sources, versions
+    from fatigue_planner.reactions.key import sources, versions
 
     settings: list[dict[str, object]] = [
         {}, {"worker": []}, {"worker": {"height_m": 1e308}}, {"worker": 5, "tool": "x" * 10_000}, {"\u00e9": {}},

@@ -19,8 +19,9 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry, sealed
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry, with_checksum
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.reactions.verify import verify_entry
 
 
@@ -157,23 +158,23 @@ def test_an_entry_under_a_wrong_name_is_refused(
     assert len(cache.damaged) == 1 and not outcome.found
 
 
-def test_a_key_altered_behind_a_valid_seal_is_refused(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+def test_a_key_altered_behind_a_valid_checksum_is_refused(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
     path = keep(tmp_path, reactions[0])
     with h5py.File(path, "r+") as file:
         key = file["key"][()]
         del file["key"]
         file["key"] = np.bytes_(key.replace(b'"mass_kg":5', b'"mass_kg":4'))
         assert file["key"][()] != key
-    path.write_bytes(sealed(path.read_bytes()))
+    path.write_bytes(with_checksum(path.read_bytes()))
     with pytest.raises(DamagedFileError, match="its numbers do not match their hash"):
         ReactionCache(tmp_path).read(path)
 
 
-def test_numbers_altered_behind_a_valid_seal_are_noticed(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
+def test_numbers_altered_behind_a_valid_checksum_are_noticed(reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
     path = keep(tmp_path, reactions[0])
     with h5py.File(path, "r+") as file:
         file["torque_nm"][5, 5] += 1e-9
-    path.write_bytes(sealed(path.read_bytes()))
+    path.write_bytes(with_checksum(path.read_bytes()))
     with pytest.raises(DamagedFileError, match="its numbers do not match their hash"):
         ReactionCache(tmp_path).read(path)
 
@@ -222,13 +223,13 @@ def test_an_entry_of_another_format_is_said_so(reactions: tuple[Reaction, ...], 
     with h5py.File(path, "r+") as file:
         del file["format_version"]
         file["format_version"] = 4
-    path.write_bytes(sealed(path.read_bytes()))
+    path.write_bytes(with_checksum(path.read_bytes()))
     with pytest.raises(OtherVersionError, match="has format 4; this version reads 3"):
         ReactionCache(tmp_path).read(path)
     old = tmp_path / f"paper-{'0' * 16}.h5"
     with h5py.File(old, "w") as file:
         file["x"] = 1
-    with pytest.raises(OtherVersionError, match="has no seal"):
+    with pytest.raises(OtherVersionError, match="has no checksum"):
         ReactionCache(tmp_path).read(old)
 
 

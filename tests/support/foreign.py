@@ -15,8 +15,9 @@ import numpy as np
 
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, sealed
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName, file_name
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, with_checksum
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, file_name
 
 TICKS = 6
 NOT_NUMBERS = {"not_finite": 0, "eased_ticks": 0, "largest_load_joint": "lumbar_flexion", "saturated_joint": ""}
@@ -42,11 +43,11 @@ def small_entry() -> bytes:
 
 
 def crafted(change: Callable[[h5py.File], object]) -> bytes:
-    """The small entry, changed by HDF5 itself, with a right seal."""
+    """The small entry, changed by HDF5 itself, with a right checksum."""
     content = io.BytesIO(small_entry())
     with h5py.File(content, "r+") as file:
         change(file)
-    return sealed(content.getvalue())
+    return with_checksum(content.getvalue())
 
 
 def instead(name: str, value: object, **how: object) -> Callable[[h5py.File], object]:
@@ -83,7 +84,7 @@ def zip_entry(name: bytes, content: bytes, flags: int = 0, method: int = 0, stor
 
 
 def mutant(content: bytes, rng: np.random.Generator) -> bytes:
-    """One to four seeded changes behind a renewed seal."""
+    """One to four seeded changes behind a renewed checksum."""
     data = bytearray(content)
     used = 512 + np.flatnonzero(np.frombuffer(content, np.uint8)[512:])  # more hits than in what is empty
     for _ in range(int(rng.choice([1, 1, 1, 2, 4]))):
@@ -107,7 +108,7 @@ def mutant(content: bytes, rng: np.random.Generator) -> bytes:
             del data[max(place, 600) :]
         else:
             data[place : place + length] = rng.bytes(length)
-    return sealed(bytes(data))
+    return with_checksum(bytes(data))
 
 
 def packed_zeros(size: int) -> bytes:

@@ -165,21 +165,21 @@ MOTION = (
 REACTIONS = (
     _f(
         "a reaction's key without the versions of the numerical libraries",
-        "reactions/reaction.py",
+        "reactions/key.py",
         '"sources": self.sources, "versions": self.versions}',
         '"sources": self.sources}',
         "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",
     ),
     _f(
         "a reaction's key without the version of the solvers",
-        "reactions/reaction.py",
+        "reactions/key.py",
         '"pin", "casadi", ',
         '"pin", ',
         "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",
     ),
     _f(
         "a reaction's key without the sources",
-        "reactions/reaction.py",
+        "reactions/key.py",
         '"settings": self.settings, "sources": self.sources,',
         '"settings": self.settings,',
         "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",
@@ -199,10 +199,10 @@ REACTIONS = (
         "whole/test_what_decides.py::test_a_setting_changes_the_keys_of_what_it_decides_and_no_other[accuracy]",
     ),
     _f(
-        "the seal of a reaction's file is not checked",
+        "the checksum of a reaction's file is not checked",
         "reactions/hdf5_layout.py",
-        "content[:CHECKSUM_BYTES] == _seal(content)",
-        "content.startswith(_MARK)",
+        "content[:CHECKSUM_BYTES] == _checksum(content)",
+        "content.startswith(_CHECKSUM_MARK)",
         "reactions/test_reactions.py::test_a_damaged_entry_is_refused_and_set_aside_and_made_again[flip]",
     ),
     _f(
@@ -210,7 +210,7 @@ REACTIONS = (
         "reactions/hdf5_layout.py",
         'if _content_sha256(reaction).encode() != found["content_sha256"].item():',
         'if not found["content_sha256"].item():',
-        "reactions/test_reactions.py::test_numbers_altered_behind_a_valid_seal_are_noticed",
+        "reactions/test_reactions.py::test_numbers_altered_behind_a_valid_checksum_are_noticed",
     ),
     _f(
         "a reaction under another's name is accepted",
