@@ -27,6 +27,7 @@ from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import publish_csv, publish_text, remove, writable_folder
 from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests
+from fatigue_planner.experiment.feasibility import omissions, without_infeasible
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.output.reports.html.blocks import counted
@@ -97,8 +98,11 @@ def benchmark(
     """
     settings = load_experiment(experiment)
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
-    grid = selected(settings, wanted)
-    profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
+    asked = selected(settings, wanted)
+    profiles = load_cycle_profiles(asked, cache, command_line("simulate", experiment, cache))
+    left_out = omissions(asked, profiles)
+    warn(left_out)
+    grid = without_infeasible(asked, profiles)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:
@@ -115,10 +119,11 @@ def benchmark(
     publish_table(folder, table, [TRIALS_FILE, ACTIONS_FILE, TIMES_FILE])
     comparison = comparison_table(table, settings.statistics.significance_level)
     publish_csv(folder / COMPARISON_FILE, comparison)
-    contrasted = contrasts(table, settings.statistics, grid.benchmark.seed)
+    contrasted = contrasts(table, grid.statistics, grid.benchmark.seed)
     publish_csv(folder / CONTRASTS_FILE, contrasted)
-    summary = summary_text(comparison, settings.statistics.significance_level)
-    summary += "\n" + contrast_text(contrasted, settings.statistics)
+    summary = "".join(f"{sentence}\n" for sentence in left_out)
+    summary += summary_text(comparison, settings.statistics.significance_level)
+    summary += "\n" + contrast_text(contrasted, grid.statistics)
     files = [TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, SUMMARY_FILE]
     regrets = gaps = None
     if regret:
@@ -138,7 +143,8 @@ def benchmark(
         remove(folder / file)  # of an earlier run, perhaps with other settings
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
-        "experiment": grid.plain(),
+        "experiment": asked.plain(),
+        "actions": {cell.condition: cell.scenario.model.actions for cell in grid_cells},
         "seed": grid.benchmark.seed,
         "reactions": digests(reaction_requests(settings)),
         "references": {condition: reference.plain() for condition, reference in judges.items()},

@@ -11,9 +11,11 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import warn
 from fatigue_planner.core.files import writable_folder
 from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.experiment.build import load_reactions, reaction_requests, worker_fatigue
+from fatigue_planner.experiment.feasibility import omissions, without_infeasible
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.results import load_results
@@ -37,9 +39,12 @@ def figures(
 
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     drawn = FigureFolder(results / settings.name)
-    if settings.figures:
+    performed = {reaction.name for reaction in reactions}
+    warn(omissions(settings, performed))
+    feasible = without_infeasible(settings, performed)
+    if feasible.figures:
         tables = load_results(settings, drawn.folder, command_line("benchmark", experiment, cache, results))
-        draw_returns(drawn, settings, comparison_table(tables.trials, settings.statistics.significance_level))
+        draw_returns(drawn, feasible, comparison_table(tables.trials, settings.statistics.significance_level))
     writable_folder(drawn.folder)
     draw_reactions(drawn, settings, reactions, worker_fatigue(settings))
     note = {"reactions": digests(reaction_requests(settings))}

@@ -13,9 +13,11 @@ from fatigue_planner.cli.options import (
     command_line,
 )
 from fatigue_planner.cli.output import Json, present
+from fatigue_planner.cli.progress import warn
 from fatigue_planner.core.files import publish_text
 from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.experiment.build import cycle_profiles, load_reactions, reaction_requests
+from fatigue_planner.experiment.feasibility import omissions, without_infeasible
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.results import courses, load_results
@@ -46,8 +48,11 @@ def report(
     reactions = load_reactions(settings, cache, simulate)
     folder = results / settings.name
     tables = load_results(settings, folder, benchmark)
-    grid = cells(settings, cycle_profiles(settings, reactions))
-    report_data = ReportData(settings, reactions, grid, tables, courses(grid, tables, folder))
+    profiles = cycle_profiles(settings, reactions)
+    left_out, feasible = omissions(settings, profiles), without_infeasible(settings, profiles)
+    warn(left_out)
+    grid = cells(feasible, profiles)
+    report_data = ReportData(feasible, reactions, grid, tables, courses(grid, tables, folder), left_out)
     figures = FigureFolder(folder)
     path = folder / REPORT_FILE
     study = study_of(settings, results)

@@ -35,17 +35,16 @@ def simulate(
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
     The joint torques, motions and contact forces of every reaction go to a file (HDF5) in the cache folder.
-    What the cache holds already is not simulated again. A motion that misses the experiment's accuracy
-    is reported and not kept; one that had to pass a limit a little is kept as degraded, and says so.
+    What the cache holds already is not simulated again. A reaction that cannot be performed, or not with the
+    experiment's accuracy, is a result, too: it is kept, listed with the reason, and left out of what follows. One that
+    had to pass a limit a little is degraded, and says so.
     """
     begin = time.perf_counter()
     settings = load_experiment(experiment)
     requests, executor = reaction_requests(settings), executor_of(jobs, dask)
     store = ReactionCache(cache)
     with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:
-        outcomes = store.complete(
-            requests, executor, lambda outcome: counter.advance(pieces=outcome.verdict != "failed")
-        )
+        outcomes = store.complete(requests, executor, lambda outcome: counter.advance(pieces=outcome.kept))
     warn(store.damaged)
     done = _document(cache, outcomes, time.perf_counter() - begin)
     present(done, _text(done, outcomes), as_json)
@@ -55,7 +54,7 @@ def simulate(
 
 def _document(folder: Path, outcomes: Sequence[Outcome], elapsed_s: float) -> Simulation:
     failed = sum(outcome.verdict == "failed" for outcome in outcomes)
-    found = sum(outcome.found for outcome in outcomes)
+    found = sum(outcome.found and outcome.verdict != "failed" for outcome in outcomes)
     return Simulation(
         folder=folder,
         reactions=[_reaction(outcome) for outcome in outcomes],
@@ -82,10 +81,10 @@ def _reaction(outcome: Outcome) -> SimulatedReaction:
 
 
 def _text(done: Simulation, outcomes: Sequence[Outcome]) -> str:
-    lines = [f"  {outcome.name!s:<32} {_words(outcome)}" for outcome in outcomes]
+    lines = [f"  {outcome.name!s:<32} {_words(outcome)}" for outcome in outcomes if outcome.verdict != "failed"]
     if done.failed:
-        rest = " The others are kept." if done.failed < len(outcomes) else ""
-        lines.append(f"{done.failed} of {len(outcomes)} reactions failed.{rest}")
+        lines.append(f"{done.failed} of {len(outcomes)} reactions failed, and are left out of what follows:")
+        lines += [f"  {outcome.name!s:<32} {_words(outcome)}" for outcome in outcomes if outcome.verdict == "failed"]
     else:
         made = f"{done.simulated} simulated" if done.simulated else "nothing to simulate"
         lines.append(

@@ -46,7 +46,7 @@ def export_archive(cache: ReactionCache, requests: Sequence[ReactionRequest], bu
 
     def write(temporary: Path) -> None:
         with zipfile.ZipFile(temporary, "w") as archive:
-            for reaction in cache.stream(unique, how):
+            for reaction in cache.stored(unique, how):
                 name = file_name(reaction.name, reaction.digest)
                 archive.writestr(zipfile.ZipInfo(name, _EPOCH), entry_bytes(reaction))
 

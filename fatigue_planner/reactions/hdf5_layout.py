@@ -1,17 +1,18 @@
 """The layout of an entry of the cache: one self-describing HDF5 file with one reaction, after its checksum.
 
-attributes                  format, format_version, degrees_of_freedom
+format, format_version      "fatplan reaction", or "fatplan failed reaction" for one that cannot be performed
 key                         JSON: settings, sources, versions; its SHA-256 is the reaction's digest (`ReactionKey`)
 name                        worker, action, preference
-quality                     JSON: the checks the motion has passed (`Quality`)
+reason                      of a failed reaction: why it cannot be performed; it has none of the following
+quality                     JSON: what was measured of the motion (`Quality`)
 time_step_s
 phases, phase_ticks         names; first and last + 1 tick
 torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2
                             one row per tick; attributes `units` and `columns`
 content_sha256              of all of the above
 
-What is not written by this program may be in it, too, but is never looked at. Nothing in a file is believed: it is read
-by a process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
+A file may hold more than this program writes, which is never looked at. Nothing in a file is believed: it is read by a
+process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
 """
 
 import hashlib
@@ -27,7 +28,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
-from fatigue_planner.core.files import canonical_json
+from fatigue_planner.core.files import canonical_json, digest_of
 from fatigue_planner.human.model import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
@@ -35,7 +36,7 @@ from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MAX_TICKS, PHASES
 from fatigue_planner.reactions.key import ReactionKey
-from fatigue_planner.reactions.reaction import Reaction, ReactionName
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
 from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
 
 T = TypeVar("T")
@@ -46,7 +47,8 @@ _CHECKSUM_MARK = b"fatplan sha256 "
 # How an HDF5 file begins that has no checksum before it.
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
-FORMAT_VERSION = 3  # to be raised when Motion, Quality or the layout above change
+FAILED_FORMAT = "fatplan failed reaction"
+FORMAT_VERSION = 4  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -65,6 +67,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MAX_TEXT = 1_000_000
+MAX_REASON = 10_000  # characters
 LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
 MAX_BYTES = MAX_TICKS * _ROW_BYTES + 4 * MAX_TEXT
 
@@ -82,6 +85,7 @@ LAYOUT = Layout(
     most_rows=MAX_TICKS,
     most_text=MAX_TEXT,
 )
+_FAILED_LAYOUT = Layout({**_TEXT, "reason": ("S", ()), "content_sha256": ("S", ())}, most_rows=0, most_text=MAX_TEXT)
 _KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MAX_TEXT)
 HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
 # What a key or a name that is none raises.
@@ -91,45 +95,55 @@ _QUALITY = TypeAdapter(Quality)
 _KEY_PARTS = {part.name for part in fields(ReactionKey)}
 
 
-def entry_bytes(reaction: Reaction) -> bytes:
+def entry_bytes(reaction: Reaction | FailedReaction) -> bytes:
     """The content of the file of a reaction, the same for the same reaction."""
-    content, motion = io.BytesIO(), reaction.motion
+    content = io.BytesIO()
     with h5py.File(content, "w", track_order=False, userblock_size=CHECKSUM_BYTES) as file:
-        file["format"] = np.bytes_(FORMAT)
+        file["format"] = np.bytes_(FORMAT if isinstance(reaction, Reaction) else FAILED_FORMAT)
         file["format_version"] = FORMAT_VERSION
         file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
         file["name"] = np.array(reaction.name, dtype=np.bytes_)
-        file["quality"] = np.bytes_(canonical_json(asdict(reaction.quality)).encode())
-        file["time_step_s"] = motion.time_step_s
-        file["phases"] = np.array([phase.name for phase in motion.phases], dtype=np.bytes_)
-        file["phase_ticks"] = np.array([[phase.start, phase.stop] for phase in motion.phases], dtype="<i8")
         file["content_sha256"] = np.bytes_(_content_sha256(reaction))
-        for name, (_, units, columns) in ARRAYS.items():
-            data = file.create_dataset(
-                name, data=getattr(motion, name), compression="gzip", compression_opts=1, shuffle=True, fletcher32=True
-            )
-            data.attrs["units"] = units
-            data.attrs["columns"] = columns
-            file.flush()  # else where it stands in the file depends on when Python lets go of it
+        if isinstance(reaction, Reaction):
+            _write_motion(file, reaction)
+        else:
+            file["reason"] = np.bytes_(reaction.reason.encode())
     return with_checksum(content.getvalue())
 
 
-def read_entry(content: bytes, source: str) -> Reaction:
+def _write_motion(file: h5py.File, reaction: Reaction) -> None:
+    motion = reaction.motion
+    file["quality"] = np.bytes_(canonical_json(asdict(reaction.quality)).encode())
+    file["time_step_s"] = motion.time_step_s
+    file["phases"] = np.array([phase.name for phase in motion.phases], dtype=np.bytes_)
+    file["phase_ticks"] = np.array([[phase.start, phase.stop] for phase in motion.phases], dtype="<i8")
+    for name, (_, units, columns) in ARRAYS.items():
+        data = file.create_dataset(
+            name, data=getattr(motion, name), compression="gzip", compression_opts=1, shuffle=True, fletcher32=True
+        )
+        data.attrs["units"] = units
+        data.attrs["columns"] = columns
+        file.flush()  # otherwise its position in the file depends on when Python frees the data set
+
+
+def read_entry(content: bytes, source: str) -> Reaction | FailedReaction:
     """The reaction in the content of a file, checked; `source` is how messages call it.
 
     Raises OtherVersionError for a file of another format, DamagedFileError if it is not, to the bit, what was written,
     or not a reaction that could have been.
     """
+    if _checked_format(content, source) == FAILED_FORMAT:
+        return _parsed(content, source, _FAILED_LAYOUT, lambda found: _failed_reaction(found, source))
     return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source))
 
 
 def read_key(content: bytes, source: str) -> tuple[ReactionName, ReactionKey]:
     """Name and key of the reaction in the content of a file. Raises as `read_entry`."""
+    _checked_format(content, source)
     return _parsed(content, source, _KEY_LAYOUT, lambda found: (_name(found["name"]), _key(found["key"])))
 
 
 def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[str, Array]], T]) -> T:
-    _check_format(content, source)
     try:
         return parse(read_hdf5(content, layout))
     except UnreadableError as error:
@@ -138,7 +152,8 @@ def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[s
         raise DamagedFileError(f"{source}: is not one of our reactions ({error}).") from error
 
 
-def _check_format(content: bytes, source: str) -> None:
+def _checked_format(content: bytes, source: str) -> str:
+    """Which of both formats it is."""
     if content.startswith(HDF5_MARK):
         raise OtherVersionError(f"{source}: has no checksum; it is an earlier version's, or not fatplan's.")
     if not has_valid_checksum(content):
@@ -147,11 +162,13 @@ def _check_format(content: bytes, source: str) -> None:
         head = read_hdf5(content, HEAD)
     except UnreadableError as error:
         raise DamagedFileError(f"{source}: {error}.") from error
-    if head["format"].item() != FORMAT.encode():
+    kind = {name.encode(): name for name in (FORMAT, FAILED_FORMAT)}.get(head["format"].item())
+    if kind is None:
         raise DamagedFileError(f"{source}: is not a {FORMAT}.")
     if int(head["format_version"]) != FORMAT_VERSION:
         found = int(head["format_version"])
         raise OtherVersionError(f"{source}: has format {found}; this version reads {FORMAT_VERSION}.")
+    return kind
 
 
 def _reaction(found: dict[str, Array], source: str) -> Reaction:
@@ -168,9 +185,22 @@ def _reaction(found: dict[str, Array], source: str) -> Reaction:
         ),
         quality=_quality(found["quality"]),
     )
-    if _content_sha256(reaction).encode() != found["content_sha256"].item():
-        raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
+    _check_content(reaction, found["content_sha256"], source)
     return reaction
+
+
+def _failed_reaction(found: dict[str, Array], source: str) -> FailedReaction:
+    reason = found["reason"].item().decode()
+    if not reason.isprintable() or not 0 < len(reason) <= MAX_REASON:
+        raise ValueError("its reason is not as this program writes it")
+    reaction = FailedReaction(_name(found["name"]), _key(found["key"]), reason)
+    _check_content(reaction, found["content_sha256"], source)
+    return reaction
+
+
+def _check_content(reaction: Reaction | FailedReaction, sha256: Array, source: str) -> None:
+    if _content_sha256(reaction).encode() != sha256.item():
+        raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
 
 
 def _time_step(found: Array) -> float:
@@ -219,8 +249,10 @@ def _quality(found: Array) -> Quality:
     return quality
 
 
-def _content_sha256(reaction: Reaction) -> str:
-    """SHA-256 over key, name, quality and arrays of a reaction."""
+def _content_sha256(reaction: Reaction | FailedReaction) -> str:
+    """SHA-256 over key, name, quality and arrays of a reaction, or its reason if it failed."""
+    if isinstance(reaction, FailedReaction):
+        return digest_of([reaction.key.plain(), reaction.name, reaction.reason])
     motion = reaction.motion
     head = [reaction.key.plain(), reaction.name, asdict(reaction.quality), motion.time_step_s, motion.phases]
     digest = hashlib.sha256(canonical_json(head).encode())

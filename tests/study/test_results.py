@@ -128,7 +128,10 @@ def test_bounds_are_checked_row_by_row(small: Experiment, reactions: tuple[React
     seal(small, folder)
     with pytest.raises(DamagedFileError, match=r"bounds.csv: is not what was written.*Run `fatplan benchmark --bound`"):
         load_results(small, folder, COMMAND)  # the note does not speak of it
-    note = {"experiment": small.plain(), "reactions": digests(reaction_requests(small)), "seed": 1, "references": {}}
+    note = {
+        "experiment": small.plain(), "reactions": digests(reaction_requests(small)), "seed": 1, "references": {},
+        "actions": dict.fromkeys(small.benchmark.conditions, tuple(small.actions)),
+    }  # fmt: skip
     publish_manifest(folder, "benchmark", note, [folder / name for name in (TRIALS_FILE, ACTIONS_FILE, BOUNDS_FILE)])
     found = load_results(small, folder, COMMAND)
     assert found.bounds is not None and found.options == " --bound" and len(found.bounds) == len(grid)
@@ -159,7 +162,7 @@ def write_manifest(folder: Path, entry: dict[str, object]) -> None:
     (folder / "manifest.json").write_text(text + "\n")
 
 
-@pytest.mark.parametrize("missing", ["versions", "references", "experiment", "seed", "sha256", "reactions"])
+@pytest.mark.parametrize("missing", ["versions", "references", "experiment", "actions", "seed", "sha256", "reactions"])
 def test_a_manifest_of_another_version_is_one_clear_message(small: Experiment, folder: Path, missing: str) -> None:
     entry = json.loads((folder / "manifest.json").read_text())["benchmark"]
     write_manifest(folder, dict(entry))

@@ -154,7 +154,7 @@ RULES = (
     ),
     Rule(("tool.*", "cycle.*", "controller.*"), "common to all motions; what runs see of it is the torques",
          **ALL_MOTIONS),
-    Rule(("accuracy.*",), "decides whether a motion may be used, which a stored one must answer for", **ALL_MOTIONS),
+    Rule(("accuracy.*",), "decides whether a motion may be used, when it is read"),
     Rule(("actions.*",), "where this action takes the hands, and its loads",
          reactions=lambda leaf, name: name[1] == leaf.path[1]),
     Rule(("preferences.*",), "how the body moves with this preference",

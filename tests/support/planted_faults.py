@@ -192,11 +192,11 @@ REACTIONS = (
         "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",
     ),
     _f(
-        "a reaction's key without the accuracy asked for",
+        "a stored reaction is used whatever the accuracy asked for",
         "reactions/reaction.py",
-        '{"worker": worker, "accuracy": self.accuracy}',
-        '{"worker": worker}',
-        "whole/test_what_decides.py::test_a_setting_changes_the_keys_of_what_it_decides_and_no_other[accuracy]",
+        "faults = stored.quality.faults(self.accuracy)",
+        "faults: list[str] = []",
+        "reactions/test_reactions.py::test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again",
     ),
     _f(
         "the checksum of a reaction's file is not checked",
@@ -208,8 +208,8 @@ REACTIONS = (
     _f(
         "the hash of a reaction's numbers is not checked",
         "reactions/hdf5_layout.py",
-        'if _content_sha256(reaction).encode() != found["content_sha256"].item():',
-        'if not found["content_sha256"].item():',
+        "if _content_sha256(reaction).encode() != sha256.item():",
+        "if not sha256.item():",
         "reactions/test_reactions.py::test_numbers_altered_behind_a_valid_checksum_are_noticed",
     ),
     _f(

@@ -21,7 +21,9 @@ def publish(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Pat
 
 
 def seal(experiment: Experiment, folder: Path) -> None:
+    conditions = experiment.benchmark.conditions
     note = {
+        "actions": dict.fromkeys(conditions, tuple(experiment.actions)),
         "experiment": experiment.plain(),
         "reactions": digests(reaction_requests(experiment)),
         "seed": experiment.benchmark.seed,

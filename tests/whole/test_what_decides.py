@@ -349,10 +349,9 @@ def test_the_numerical_libraries_in_reach_are_in_the_key(kind: str, named: tuple
 
 # --- does it matter indeed? --------------------------------------------------------------------------------------
 
-# Settings that decide a motion in general, but not this one, which comes near none of these limits; and the accuracy,
-# which only decides whether a motion may be used.
+# Settings that decide a motion in general, but not this one, which comes near none of these limits.
 OFTEN_WITHOUT_EFFECT = (
-    "accuracy.*", "controller.torque_limit_factor", "controller.friction_coefficient",
+    "controller.torque_limit_factor", "controller.friction_coefficient",
     "controller.velocity_limit_radps", "controller.acceleration_limit_radps2",
 )  # fmt: skip
 

@@ -65,6 +65,8 @@ def draw_reactions(
         several = len(experiment.workers) > 1
         suffix, whose = (f"_{worker}", f" of {words(worker)}") if several else ("", "")
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
+        if not own:
+            continue
         figure, table = posture_figure(build_human(person), own, parameters[worker])
         caption = f"The reactions{whose} in the middle of the work; discs: the largest load at each joint."
         pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))

@@ -20,13 +20,17 @@ from fatigue_planner.study.statistics.regret import gap_table, regret_table
 
 @dataclass(frozen=True)
 class ReportData:
-    """An experiment, its reactions, its tables and the courses of its runs; all else follows from these."""
+    """An experiment, its reactions, its tables and the courses of its runs; all else follows from these.
+
+    omissions: sentences on what of the experiment's file is not in it, because it cannot be performed.
+    """
 
     experiment: Experiment
     reactions: Sequence[Reaction]
     grid: Sequence[Cell]
     results: Results
     courses: Mapping[tuple[str, int, str], Sequence[Course]]
+    omissions: Sequence[str] = ()
 
     @property
     def policies(self) -> list[str]:

@@ -31,7 +31,7 @@ def provenance_section(report_data: ReportData, commands: list[str], file: Path)
             ),
             Table("Versions, of the tables and of this page.", ["what", "tables", "page"], versions_used),
             Table("SHA-256 of the files and the digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
-            Text("The configuration, complete:"),
+            Text("The configuration of what was run, complete:"),
             Code(configuration),
         ],
     )

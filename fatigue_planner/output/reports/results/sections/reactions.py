@@ -22,7 +22,8 @@ LARGEST = 5  # entries of each reaction in the tables
 
 def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Pictures of the reactions; for a few of them also their torques and cycle maps as tables."""
-    blocks: list[Block] = [*draw_reactions(figures, report_data.experiment, report_data.reactions, report_data.fatigue)]
+    blocks: list[Block] = [Text(sentence) for sentence in report_data.omissions]
+    blocks += [*draw_reactions(figures, report_data.experiment, report_data.reactions, report_data.fatigue)]
     maps = cycle_map_table(report_data)
     file = figures.add_table("cycle_maps", maps)
     if len(report_data.reactions) <= FEW:
