@@ -156,12 +156,13 @@ class Examination:
 
 @dataclass(frozen=True)
 class ExportedHuman:
-    """`fatplan human export`: a URDF file with so many joints."""
+    """`fatplan human export`: a URDF file with so many joints. joint_order: their names as all motions count them."""
 
     file: Path
     worker: str
     joints: int
     mass_kg: float
+    joint_order: Sequence[str]
 
 
 @dataclass(frozen=True)
