@@ -84,7 +84,7 @@ def posture(angles_deg: dict[str, float], key: str) -> Vector:
         if not np.degrees(lower[places[0]]) <= degrees <= np.degrees(upper[places[0]]):
             raise DataFileError(
                 f"{key}: {name} = {degrees} deg is outside its range of motion "
-                f"[{np.degrees(lower[places[0]]):.0f}, {np.degrees(upper[places[0]]):.0f}] deg"
+                f"[{np.degrees(lower[places[0]]):.6g}, {np.degrees(upper[places[0]]):.6g}] deg"
             )
         angles[places] = np.radians(degrees)
     return angles

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.errors import FailedMotionError
+from fatigue_planner.core.errors import FailedMotionError, told_apart
 from fatigue_planner.motion.body import Body
 from fatigue_planner.motion.controller import LimitKind
 from fatigue_planner.motion.quality import Saturation, saturation
@@ -63,5 +63,6 @@ def _too_far(body: Body) -> str:
         shoulder = body.state.placement(body.state.frame(f"{side}_upper_arm")).translation
         away = float(np.linalg.norm(task.reference.position_m[task.index] - shoulder))
         if away > arm:
-            return f"the {side} hand should be {away:.2f} m from the shoulder, the arm measures {arm:.2f} m"
+            distance, length = told_apart(away, arm, ".2f")
+            return f"the {side} hand should be {distance} m from the shoulder, the arm measures {length} m"
     return ""

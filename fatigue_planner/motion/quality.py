@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import told_apart
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Accuracy
 
@@ -86,15 +87,16 @@ class Quality:
         """What is not fulfilled, in words; empty for a motion that can be used."""
         faults = []
         if not self.work_hand_error_m <= required.hand_error_m:
+            error, allowed = told_apart(self.work_hand_error_m * 100, required.hand_error_m * 100, ".1f")
             faults.append(
-                f"{self._why_off()}: the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work "
-                f"(allowed: {required.hand_error_m * 100:.1f} cm); bring the object closer for this worker and "
-                "preference"
+                f"{self._why_off()}: the hand stays {error} cm from its target during work (allowed: {allowed} cm); "
+                "bring the object closer for this worker and preference"
             )
         if not self.work_hand_turn_rad <= required.hand_turn_rad:
+            error, allowed = told_apart(self.work_hand_turn_rad, required.hand_turn_rad, ".3f")
             faults.append(
-                f"the hand stays {self.work_hand_turn_rad:.3f} rad from its orientation during work (allowed: "
-                f"{required.hand_turn_rad:.3f} rad); turn the object, or leave orientation_deg out"
+                f"the hand stays {error} rad from its orientation during work (allowed: {allowed} rad); turn the "
+                "object, or leave orientation_deg out"
             )
         bounds = {
             "equation_of_motion_nm": required.equation_of_motion_nm,
@@ -103,10 +105,11 @@ class Quality:
             "position_violation_rad": required.eased_position_rad if self.eased_ticks else required.limit_violation,
         }
         for name, value in asdict(self).items():
-            allowed = bounds.get(name, required.limit_violation)
-            if name not in NOT_BARS and not value <= allowed:
+            bound = bounds.get(name, required.limit_violation)
+            if name not in NOT_BARS and not value <= bound:
                 remedy = f"; {REMEDIES[name]}" if name in REMEDIES else ""
-                faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e}{remedy})")
+                found, allowed = told_apart(value, bound, ".2e")
+                faults.append(f"{name} = {found} (allowed: {allowed}{remedy})")
         return faults
 
     def _why_off(self) -> str:

@@ -61,7 +61,7 @@ def fault(tmp_path: Path, old: str, new: str) -> str:
         ("strength: average_man", "strength: hulk", "workers.average_man: strength set 'hulk': neither one of "),
         ("knee_flexion: 5 ", "knee: 5 ", "natural_posture_deg: unknown degree of freedom 'knee'"),
         ("knee_flexion: 5 ", "knee_flexion: -5 ", "natural_posture_deg: knee_flexion = -5.0 deg is outside its range"),
-        ("ankle_flexion: 2.5", "ankle_flexion: -10", "natural_posture_deg: the body leans, its centre of mass stands "),
+        ("ankle_flexion: 2.5", "ankle_flexion: -10", "natural_posture_deg: the body leans, its centre of mass is "),
         ("knee_flexion: 5 ", "right_knee_flexion: 40 ", "natural_posture_deg: the right sole does not lie flat"),
         ("reach_s: 5", "reach_s: 1e9", "cycle.reach_s = 1000000000.0: input should be less than or equal to 600."),
         ("n_cycles: [5, 20, 100]", "n_cycles: [5, 5]", "benchmark.n_cycles: 5 stands twice."),

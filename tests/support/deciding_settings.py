@@ -33,6 +33,7 @@ def _listed(value: Any) -> Any:
 
 def _experiment() -> Content:
     content: Content = _listed(read_content(PAPER))
+    content["tool"]["hand"] = "right"
     content["cycle"] |= {"reach_s": 1.0, "work_s": 0.5, "return_s": 1.0}  # quick to simulate
     content["workers"]["woman"] = {
         "height_m": 1.65, "mass_kg": 62.0, "sex": "female", "strength": "average_woman", "natural_posture_deg": POSTURE,

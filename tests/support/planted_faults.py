@@ -112,11 +112,11 @@ MOTION = (
         "motion/test_scenes.py::test_both_hands_without_orientation",
     ),
     _f(
-        "the tool in the left hand",
+        "the tool in the right hand, whichever works",
         "motion/schedule.py",
-        'hand="right", mass_kg=tool.mass_kg',
-        'hand="left", mass_kg=tool.mass_kg',
-        "motion/test_scenes.py::test_masses_change_only_with_phases",
+        "return tool.hand or first",
+        'return tool.hand or "right"',
+        "motion/test_scenes.py::test_the_tool_is_in_the_hand_that_works",
     ),
     _f(
         "the lower limit sees the joint move the wrong way",
