@@ -165,5 +165,5 @@ def _check_stance(human: Human) -> None:
 
 
 def joint_index(name: str) -> int:
-    """Place of a degree of freedom in a joint vector."""
+    """Index of a degree of freedom in a joint vector."""
     return DEGREES_OF_FREEDOM.index(name)

@@ -18,7 +18,7 @@ LASTING = 0.1
 def failure(body: Body, tick: int, torque_nm: Matrix) -> FailedMotionError:
     """The error of a tick without solution; `torque_nm` (tick, 39) is what was exerted before.
 
-    It names time, phase, tick, the limit in the way and joints at their maximum torque, and advises.
+    It names time, phase, tick, the limit in the way and joints at their maximum torque, and gives advice.
     """
     settings = body.request.controller
     phases = phases_of(body.request.cycle, settings.time_step_s)
@@ -27,7 +27,7 @@ def failure(body: Body, tick: int, torque_nm: Matrix) -> FailedMotionError:
     obstacle = body.controller.obstacle()
     if obstacle is None:
         return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
-    reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
+    reason = f"{where}: {obstacle.kind.value} of {obstacle.location} ({obstacle.amount})"
     limits = (settings.torque_limit_factor * torque for torque in body.request.maximum_torque.vectors())
     before = saturation(torque_nm, *limits) if tick else Saturation("", 0.0, 0)
     if before.share > 0:

@@ -52,7 +52,7 @@ def saturation(torque_nm: Matrix, positive_nm: Vector, negative_nm: Vector) -> S
 class Quality:
     """The worst value over all ticks of everything a motion has to fulfil (SI; violations <= 0 are none).
 
-    not_finite counts values that are no numbers. record_error is how far the record is from what follows
+    not_finite counts values that are not finite. record_error is how far the record is from what follows
     from itself and from what was asked for: that it starts at rest in the stance, follows its own
     accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
     largest_load_share is the largest mean load of a joint during work, as a share of its strength.

@@ -81,8 +81,8 @@ def forces_of(action: Action, ticks: int, time_step_s: float) -> tuple[PlannedFo
     )
 
 
-def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step_s: float) -> Vector | None:
-    """How much of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
+def weight_factor_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step_s: float) -> Vector | None:
+    """The fraction of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
 
     It rises with the first `SWITCH_S` of the phase it begins with and falls with those of the phase
     that follows its last, or with all of a phase that is shorter.

@@ -71,7 +71,7 @@ class Controller(Settings):
     weights: Weights
     stiffness_per_s2: Stiffnesses
     regularisation: Regularisation
-    # How far before its place in the stance the centre of mass is held.
+    # How far in front of its position in the stance the centre of mass is held.
     centre_of_mass_shift_m: float = Field(default=0.0, ge=-0.1, le=0.1)
     friction_coefficient: float = Field(gt=0, le=2)
     torque_limit_factor: Positive

@@ -29,7 +29,7 @@ from fatigue_planner.motion.motion import ROWS, Motion
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
-from fatigue_planner.reactions.hdf5_layout import LARGEST, MAX_BYTES, entry_bytes, has_valid_checksum, read_entry
+from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, MAX_MAGNITUDE, entry_bytes, has_valid_checksum, read_entry
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, file_name
 
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
@@ -211,8 +211,8 @@ def simulate_and_measure(request: MotionRequest) -> tuple[Motion, Quality] | str
         motion = simulate(request)
     except FailedMotionError as error:
         return str(error)
-    if not all((np.abs(getattr(motion, name)) < LARGEST).all() for name in ROWS):
-        return f"the motion has values that are not finite, or beyond {LARGEST:.0e}"
+    if not all((np.abs(getattr(motion, name)) < MAX_MAGNITUDE).all() for name in ROWS):
+        return f"the motion has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}"
     return motion, measure(request, motion)
 
 

@@ -68,7 +68,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MAX_TEXT = 1_000_000
 MAX_REASON = 10_000  # characters
-LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
+MAX_MAGNITUDE = 1e50  # of a number in a file; the squares of what is smaller are finite, too
 MAX_BYTES = MAX_TICKS * _ROW_BYTES + 4 * MAX_TEXT
 
 _TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
@@ -88,7 +88,7 @@ LAYOUT = Layout(
 _FAILED_LAYOUT = Layout({**_TEXT, "reason": ("S", ()), "content_sha256": ("S", ())}, most_rows=0, most_text=MAX_TEXT)
 _KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MAX_TEXT)
 HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
-# What a key or a name that is none raises.
+# What an invalid key or name raises.
 _UNREADABLE = (ValueError, TypeError, RecursionError)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}")
 _QUALITY = TypeAdapter(Quality)
@@ -172,9 +172,9 @@ def _checked_format(content: bytes, source: str) -> str:
 
 
 def _reaction(found: dict[str, Array], source: str) -> Reaction:
-    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < LARGEST).all()]
+    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < MAX_MAGNITUDE).all()]
     if wrong:
-        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {LARGEST:.0e}")
+        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}")
     reaction = Reaction(
         name=_name(found["name"]),
         key=_key(found["key"]),
@@ -232,7 +232,7 @@ def _key(found: Array) -> ReactionKey:
     if canonical_json(parts) != text or not text.isprintable() or "\\" in text:
         raise ValueError("its key is not as this program writes it")
     if set(parts) != _KEY_PARTS or not all(isinstance(part, dict) for part in parts.values()):
-        raise ValueError("its key is none")
+        raise ValueError("its key is not that of a reaction")
     return ReactionKey(**parts)
 
 
@@ -245,7 +245,7 @@ def _quality(found: Array) -> Quality:
     if canonical_json(asdict(quality)).encode() != found.item():
         raise ValueError("its quality is not as this program writes it")
     if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
-        raise ValueError("its quality names a joint that is none")
+        raise ValueError("its quality names an unknown joint")
     return quality
 
 

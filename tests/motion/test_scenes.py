@@ -20,7 +20,7 @@ from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.minimum_jerk import Pose, minimum_jerk
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.payload import CarriedMass, HandForce, TimedForce
-from fatigue_planner.motion.schedule import SWITCH_S, Run, hand_reference, phases_of, runs_of, share_of
+from fatigue_planner.motion.schedule import SWITCH_S, Run, hand_reference, phases_of, runs_of, weight_factor_of
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMass
@@ -203,15 +203,15 @@ def test_every_time_but_a_phases_may_lie_between_two_steps(request_: MotionReque
 
 def test_tasks_come_and_go_with_their_phases() -> None:
     phases = phases_of(SHORT, 0.01)
-    assert share_of(("reach", "work", "return"), phases, 0.01) is None
-    share = share_of(("work",), phases, 0.01)
+    assert weight_factor_of(("reach", "work", "return"), phases, 0.01) is None
+    share = weight_factor_of(("work",), phases, 0.01)
     ramp = round(SWITCH_S / 0.01)
     assert (share[:200] == 0).all() and (share[200 + ramp : 300] == 1).all() and (share[300 + ramp :] == 0).all()
     assert share[199 + ramp // 2] == pytest.approx(0.5) == share[299 + ramp // 2]
     assert np.abs(np.diff(share)).max() < 0.04
-    begin = share_of(("reach", "work"), phases, 0.01)
+    begin = weight_factor_of(("reach", "work"), phases, 0.01)
     assert begin[0] < 1e-4 and (begin[ramp:300] == 1).all() and begin[-1] == 0
-    brief = share_of(("work",), phases_of(Cycle(reach_s=0.2, work_s=0.3, return_s=0.2), 0.01), 0.01)
+    brief = weight_factor_of(("work",), phases_of(Cycle(reach_s=0.2, work_s=0.3, return_s=0.2), 0.01), 0.01)
     assert np.abs(np.diff(brief)).max() < 0.1 and brief.max() == 1 and brief[-1] == 0
 
 

@@ -275,10 +275,10 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "an escape sequence": (key(valid_key(x="\x1b[31m")), "not as this program writes"),
     "writing turned round": (key(valid_key(x="\u202e")), "not as this program writes"),
     "no JSON": (key("x"), NOT_OURS),
-    "a list": (key("[]"), "its key is none"),
+    "a list": (key("[]"), "its key is not that of a reaction"),
     "a number for a key": (key("5"), NOT_OURS),
-    "a part missing": (key('{"settings":{},"sources":{}}'), "its key is none"),
-    "settings that are none": (key('{"settings":[],"sources":{},"versions":{}}'), "its key is none"),
+    "a part missing": (key('{"settings":{},"sources":{}}'), "its key is not that of a reaction"),
+    "settings that are none": (key('{"settings":[],"sources":{},"versions":{}}'), "its key is not that of a reaction"),
     "no text": (text("key", b"\xff\xfe"), NOT_OURS),
     "another key": (key(valid_key(tool={"mass_kg": 4})), "numbers do not match their hash"),
     "a key of 1 MB": (text("key", b"x" * (MAX_TEXT + 1)), "key is longer than 1000000 bytes"),
@@ -286,7 +286,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "a quality with a text for a number": (quality(record_error="0"), "quality record_error: Input should be a valid"),
     "a quality with NaN": (quality(record_error=float("nan")), NOT_OURS),
     "a quality with an escape": (quality(largest_load_joint="\x1b]0;x\x07"), NOT_OURS),
-    "a joint that is none": (quality(saturated_joint="tail"), "a joint that is none"),
+    "an unknown joint": (quality(saturated_joint="tail"), "names an unknown joint"),
     "a quality that is none": (text("quality", b"[" * 100_000), NOT_OURS),
     "another quality": (quality(record_error=0.0), "numbers do not match their hash"),
     "a path in the name": (name(b"../../etc", b"high", b"arm"), "its name is"),
@@ -514,8 +514,8 @@ def test_a_file_that_changes_while_it_is_read_is_refused_or_read_right(tmp_path:
 ZIP_END = b"PK\5\6" + bytes(18)
 MEMBER = b"anna-high-arm-0123456789abcdef.h5"
 BUNDLES: dict[str, tuple[Callable[[], bytes], str]] = {
-    "nothing": (lambda: b"", "is no bundle"),
-    "text": (lambda: b"PK nothing of the kind, but long enough for a header", "is no bundle"),
+    "nothing": (lambda: b"", "is not an archive"),
+    "text": (lambda: b"PK nothing of the kind, but long enough for a header", "is not an archive"),
     "cut in an entry": (lambda: zip_entry(MEMBER, small_entry())[:-1], "was cut off in 'anna"),
     "cut after an entry": (lambda: zip_entry(MEMBER, b"x"), "was cut off"),
     "cut in a header": (lambda: zip_entry(MEMBER, b"x") + b"PK\3\4", "was cut off"),
@@ -526,7 +526,7 @@ BUNDLES: dict[str, tuple[Callable[[], bytes], str]] = {
     "zip64": (lambda: zip_entry(MEMBER, b"x", size=2**32 - 1, stored=2**32 - 1), "none of ours has more"),
     "a lying size": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES, stored=MAX_BYTES) + ZIP_END, "was cut off in"),
     "a size too large": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES + 1, stored=MAX_BYTES + 1), "none of ours"),
-    "entries within entries": (lambda: zip_entry(MEMBER, zip_entry(MEMBER, b"x"), size=40, stored=40), "no bundle"),
+    "entries within entries": (lambda: zip_entry(MEMBER, zip_entry(MEMBER, b"x"), size=40, stored=40), "not an archive"),
     "100,001 entries": (lambda: zip_entry(b"", b"") * 100_001 + ZIP_END, "has more than 100000 entries"),
 }  # fmt: skip
 

@@ -107,8 +107,8 @@ MOTION = (
     _f(
         "the error of the other hand",
         "motion/verification.py",
-        "own = [both[SIDES.index(side)] for both in fists]",
-        "own = [both[1 - SIDES.index(side)] for both in fists]",
+        "own = [both[SIDES.index(side)] for both in hand_poses]",
+        "own = [both[1 - SIDES.index(side)] for both in hand_poses]",
         "motion/test_scenes.py::test_both_hands_without_orientation",
     ),
     _f(
