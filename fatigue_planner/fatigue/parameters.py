@@ -1,4 +1,4 @@
-"""Parameters of the fatigue model (paper, sections III-B and IV-B)."""
+"""The fatigue state: its entries, their parameters (paper, sections III-B and IV-B), and joints they belong to."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -13,11 +13,13 @@ from fatigue_planner.human.joint_data import MaximumTorque, known_names
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS, without_side
 
 Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 DIRECTIONS = ("positive", "negative")
 # The 2N entries of the fatigue state: all agonists (positive torque), then all antagonists.
 ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
-
+# Joints of the spine that everyday language takes as one.
+JOINT_GROUP_OF = {"lumbar": "back", "thoracic": "back", "head": "neck"}
 
 # In 1/s: nobody tires or recovers in a hundredth of a second.
 Rate = Annotated[float, Field(gt=0, le=100)]
@@ -86,9 +88,9 @@ def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> Fa
         "threshold": settings.threshold * ones,
     }
     for name, own in settings.joints.items():
-        places = _places(name, f"fatigue.joints.{name}")
+        indices = _indices(name, f"fatigue.joints.{name}")
         for key, value in own.model_dump(exclude_none=True).items():
-            rates[key][places] = value
+            rates[key][indices] = value
     return FatigueParameters(
         fatigue_rate=rates["fatigue_rate_per_s"],
         recovery_rate=rates["recovery_rate_per_s"],
@@ -105,20 +107,24 @@ def fatigue_state(levels: dict[str, float]) -> Vector:
     """
     state = np.zeros(len(ENTRIES))
     for name, level in levels.items():
-        state[_places(name, "fatigue")] = level
+        state[_indices(name, "fatigue")] = level
     return state
 
 
-def _places(name: str, key: str) -> list[int]:
-    """The entries a name means. Raises DataFileError, naming the key, if there is none."""
-    places = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
-    if not places:
+def _indices(name: str, key: str) -> list[int]:
+    """The indices of the entries a name means. Raises DataFileError, naming the key, if there are none."""
+    indices = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
+    if not indices:
         raise DataFileError(f"{key}: unknown joint {name!r}{known_names(name)}")
-    return places
+    return indices
+
+
+def _freedom_of(entry: str) -> str:
+    return entry.split(":", maxsplit=1)[0]
 
 
 def _names_of(entry: str) -> set[str]:
-    freedom = entry.split(":", maxsplit=1)[0]
+    freedom = _freedom_of(entry)
     return {entry, freedom, without_side(entry), without_side(freedom)}
 
 
@@ -131,20 +137,13 @@ def joint_shares(share: Vector) -> dict[str, float]:
     }
 
 
-Array = NDArray[np.float64]
-
-# Joints of the spine that are one in everyday words.
-TOGETHER = {"lumbar": "back", "thoracic": "back", "head": "neck"}
-
-_FREEDOM_OF = np.array([entry.split(":", maxsplit=1)[0] for entry in ENTRIES])
-
-
 def _groups() -> dict[str, NDArray[np.intp]]:
     names: dict[str, list[str]] = {}
     for joint in JOINTS:
-        group = names.setdefault(TOGETHER.get(joint.name, joint.name), [])
+        group = names.setdefault(JOINT_GROUP_OF.get(joint.name, joint.name), [])
         group += [dof.name for dof in joint.degrees_of_freedom]
-    return {group: np.flatnonzero(np.isin(_FREEDOM_OF, freedoms)) for group, freedoms in names.items()}
+    freedom_of = np.array([_freedom_of(entry) for entry in ENTRIES])
+    return {group: np.flatnonzero(np.isin(freedom_of, freedoms)) for group, freedoms in names.items()}
 
 
 JOINT_GROUPS = _groups()
@@ -152,4 +151,4 @@ JOINT_GROUPS = _groups()
 
 def highest_fatigue(fatigue: Array) -> dict[str, Array]:
     """The most tired entry of every group: fatigue (..., 78) to (...) by group."""
-    return {group: fatigue[..., places].max(axis=-1) for group, places in JOINT_GROUPS.items()}
+    return {group: fatigue[..., indices].max(axis=-1) for group, indices in JOINT_GROUPS.items()}
