@@ -117,7 +117,7 @@ def report(
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     own = [reaction for reaction in reactions if reaction.name.worker == name]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
-    page = human_page(settings.workers[name], settings.tool.mass_kg, settings.fatigue, own, command)
+    page = human_page(settings.workers[name], settings.fatigue, own, command)
     publish_text(output, page)
     outside = page.count("**OUTSIDE**")
     document = {"file": output, "worker": name, "outside": outside}

@@ -71,7 +71,7 @@ def test_what_is_out_of_reach_is_kept_and_left_out_of_what_follows(tmp_path: Pat
     done = fatplan("view", path, "--cache", cache, "--save", tmp_path / "view.png")
     assert done.returncode == 0 and "average_man/high/back cannot be shown" in done.stderr, done.stderr
     message = refused(2, "view", path, "--cache", cache, "--reaction", "average_man/high/arm")
-    assert "--reaction average_man/high/arm cannot be shown, for it cannot be performed: no admissible" in message
+    assert "--reaction average_man/high/arm cannot be shown, because it cannot be performed: no admissible" in message
 
 
 def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Path, tmp_path: Path) -> None:

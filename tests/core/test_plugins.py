@@ -1,6 +1,7 @@
 """Plug-ins: found in files and installed packages, part of the keys of what they made, and told when they fail."""
 
 import sys
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -11,7 +12,10 @@ from fatigue_planner.core import plugins
 from fatigue_planner.core.errors import ExperimentError, PluginError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.plugins import load_installed_plugins, load_plugin, plugin_sources, run_plugin
+from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment, read_content
+from fatigue_planner.motion.tasks import registry as registry_of_tasks
+from fatigue_planner.motion.tasks.task import TASKS
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
 from fatigue_planner.planners.registry import KINDS
 
@@ -33,14 +37,26 @@ class FirstSettings(fp.PolicySettings):
 """
 
 
+TASK = """
+from typing import Literal
+import fatigue_planner as fp
+from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
+
+@fp.register
+class Straight(SegmentUpright):
+    kind: Literal["straight"]
+"""
+
+
 @pytest.fixture(autouse=True)
 def _forget(monkeypatch: pytest.MonkeyPatch):
     """No plug-in outlives its test."""
     monkeypatch.setattr(plugins, "_SOURCES", {})
     yield
-    POLICIES._kinds.clear()
-    for kind in KINDS:
-        POLICIES.add(kind)
+    for registry, kinds in ((POLICIES, KINDS), (TASKS, registry_of_tasks.KINDS)):
+        registry._kinds.clear()
+        for kind in kinds:
+            registry.add(kind)
     load_installed_plugins.cache_clear()
     for name in [name for name in sys.modules if name.startswith(plugins.MODULE_PREFIX)]:
         del sys.modules[name]
@@ -82,6 +98,22 @@ def test_what_a_plug_in_decides_is_in_the_key(tmp_path: Path) -> None:
         keys.append(plugin_sources(type(policies(a={"kind": "first"})["a"])))
     assert keys[0] != keys[1] and list(keys[0]) == ["plug-in fatplan_plugin_mine"]
     assert plugin_sources(type(policies(a={"kind": "greedy"})["a"])) == {}
+
+
+def test_a_reactions_key_has_the_plug_ins_of_its_tasks(tmp_path: Path) -> None:
+    keys = []
+    for text in (TASK, TASK + "# changed\n"):
+        load_plugin(write(tmp_path, text))
+        content = read_content(PAPER)
+        task = {"kind": "straight", "segment": "thorax", "weight": 1.0}
+        content["preferences"] = {**content["preferences"], "arm": {"tasks": [task]}}
+        requests = reaction_requests(parse_experiment(content, "mine.yaml"))
+        keys.append({request.name.preference: request.key for request in requests})
+    (before, after), back = [key["arm"] for key in keys], keys[0]["back"]
+    assert before.settings == after.settings and before.digest != after.digest and back == keys[1]["back"]
+    assert set(after.sources) - set(back.sources) == {"plug-in fatplan_plugin_mine"}
+    assert after.is_current and back.is_current and not replace(after, sources={**after.sources, "x": "0"}).is_current
+    assert type(after.motion_request().preference.tasks[0]).__name__ == "Straight"
 
 
 @pytest.mark.parametrize(
