@@ -131,8 +131,9 @@ def simulate(experiment: Experiment, cache: str | Path = "cache", jobs: int | No
     outcomes = store.complete(requests, LocalProcesses(jobs or available_cores()), lambda _: None)
     failures = {str(outcome.name): outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
     good = [request for request in requests if str(request.name) not in failures]
-    loaded = store.load(good, "fatplan simulate")
-    return Reactions({str(reaction.name): reaction for reaction in loaded}, failures)
+    loaded = store.stream(good, "fatplan simulate")
+    performed = {str(reaction.name): reaction for reaction in loaded if isinstance(reaction, Reaction)}
+    return Reactions(performed, failures)
 
 
 def scenario(experiment: Experiment, reactions: Mapping[str, Reaction], condition: str | None = None) -> Scenario:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.experiment.statistics_settings import StatisticsSettings
     from fatigue_planner.planners.lookahead import ReferenceSettings
     from fatigue_planner.study.benchmark.cell import Cell
     from fatigue_planner.study.benchmark.job import Job
@@ -80,14 +81,18 @@ def benchmark(
     """
     from fatigue_planner.core.files import find_shipped, publish_bytes, writable_folder
     from fatigue_planner.experiment.build import load_cycle_profiles
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 
     settings, content = load_experiment(experiment), find_shipped(experiment).read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
-    grid = selected(settings, wanted)
-    profiles = load_cycle_profiles(settings, cache, command_line("simulate", experiment, cache))
+    asked = selected(settings, wanted)
+    profiles = load_cycle_profiles(asked, cache, command_line("simulate", experiment, cache))
+    left_out = omissions(asked, profiles)
+    warn(left_out)
+    grid = without_infeasible(asked, profiles)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:
@@ -102,7 +107,9 @@ def benchmark(
     losses = _measure_regret(grid_cells, done, judges, store, executor) if regret else None
     bounds = _run_bounds(grid_cells, results / settings.name / "bounds", executor) if bound else None
     publish_bytes(folder / EXPERIMENT_FILE, content)
-    document, text = _publish(folder, grid, wanted, grid_cells, done, judges, losses, bounds)
+    document, text = _publish(
+        folder, asked, wanted, grid.statistics, left_out, grid_cells, done, judges, losses, bounds
+    )
     present(document, text, as_json)
 
 
@@ -110,6 +117,8 @@ def _publish(
     folder: Path,
     experiment: "Experiment",
     selection: "Selection",
+    statistics: "StatisticsSettings",
+    left_out: Sequence[str],
     grid: "Sequence[Cell]",
     done: "Sequence[dict[int, TrialResult]]",
     judges: "Mapping[str, ReferenceSettings]",
@@ -118,6 +127,7 @@ def _publish(
 ) -> tuple[dict[str, Any], str]:
     """Everything on disk; its JSON document, and its summary for people.
 
+    `experiment` is what was asked for; statistics and grid are of what of it can be performed.
     Regret and bounds of an earlier run stay if they belong to these runs; else it is said that they go.
     """
     from fatigue_planner.core.files import publish_text
@@ -132,12 +142,12 @@ def _publish(
     from fatigue_planner.study.statistics.pairing import records
     from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
-    statistics = experiment.statistics
     table = tables.trial_table(grid, done)
     assert not table[tables.OUTCOMES].isna().any(axis=None)
     tables.publish_table(folder, table, [tables.TRIALS_FILE, tables.ACTIONS_FILE, tables.TIMES_FILE])
     comparison, contrasted = results.publish_comparisons(folder, table, statistics, experiment.benchmark.seed)
-    summary = summary_text(comparison, statistics.significance_level) + "\n" + contrast_text(contrasted, statistics)
+    summary = "".join(f"{sentence}\n" for sentence in left_out)
+    summary += summary_text(comparison, statistics.significance_level) + "\n" + contrast_text(contrasted, statistics)
     files = [tables.TRIALS_FILE, tables.ACTIONS_FILE, results.COMPARISON_FILE, results.CONTRASTS_FILE, SUMMARY_FILE]
     asked = {tables.REGRET_FILE: losses is not None, BOUNDS_FILE: bounds is not None}
     kept, warnings = results.keep_or_remove(experiment, folder, [file for file, wanted in asked.items() if not wanted])
@@ -162,6 +172,7 @@ def _publish(
     publish_text(folder / SUMMARY_FILE, summary)
     configuration = {
         "experiment": experiment.plain(),
+        "actions": {cell.condition: cell.scenario.model.actions for cell in grid},
         "selection": asdict(selection),
         "seed": experiment.benchmark.seed,
         "reactions": digests(reaction_requests(experiment)),

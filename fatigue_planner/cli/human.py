@@ -58,26 +58,39 @@ def export(
         Path | None, typer.Option(help="The URDF file to write; results/<experiment>/<worker>.urdf if not given.")
     ] = None,
     worker: OneWorker = None,
-    tool: Annotated[bool, typer.Option(help="With the experiment's tool in the right hand.")] = False,
+    tool: Annotated[
+        bool, typer.Option(help="With the experiment's tool, in the right hand unless tool.hand says left.")
+    ] = False,
     plugins: Plugins = None,
     as_json: Json = False,
 ) -> None:
-    """Write the digital human as URDF; the pelvis is the root and free."""
+    """Write the digital human as URDF; the pelvis is the root and free.
+
+    A comment in the file lists the joints in the order of the motions; programs that read it may sort them otherwise.
+    """
     from fatigue_planner.core.files import publish_text
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.human.joint_data import maximum_torque
     from fatigue_planner.human.model import build_human
+    from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
     from fatigue_planner.human.urdf import urdf_text
 
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
     person = settings.workers[name]
     output = output or DEFAULT_RESULTS / settings.name / f"{name}.urdf"
-    human = build_human(person, settings.tool.mass_kg if tool else 0.0)
+    held_kg = settings.tool.mass_kg if tool else 0.0
+    human = build_human(person, *((0.0, held_kg) if settings.tool.hand == "left" else (held_kg, 0.0)))
     strength = maximum_torque(person.strength).vectors()
-    publish_text(output, urdf_text(human.model, strength, settings.controller.velocity_limit_radps))
-    joints = len(human.model.names) - 2
-    document = {"file": output, "worker": name, "joints": joints, "mass_kg": human.mass_kg}
+    publish_text(output, urdf_text(human, strength, settings.controller.velocity_limit_radps))
+    joints = len(DEGREES_OF_FREEDOM)
+    document = {
+        "file": output,
+        "worker": name,
+        "joints": joints,
+        "mass_kg": human.mass_kg,
+        "joint_order": DEGREES_OF_FREEDOM,
+    }
     present(document, f"{output}: {joints} joints, {human.mass_kg:.1f} kg", as_json)
 
 
@@ -104,7 +117,7 @@ def report(
     reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
     own = [reaction for reaction in reactions if reaction.name.worker == name]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
-    page = human_page(settings.workers[name], settings.tool.mass_kg, settings.fatigue, own, command)
+    page = human_page(settings.workers[name], settings.fatigue, own, command)
     publish_text(output, page)
     outside = page.count("**OUTSIDE**")
     document = {"file": output, "worker": name, "outside": outside}

@@ -25,6 +25,7 @@ from fatigue_planner.cli.options import (
     present,
     source_of,
 )
+from fatigue_planner.cli.progress import warn
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -100,15 +101,19 @@ def _draw(
     """Figures of the returns, if the experiment names some, and of the reactions; the command makes the tables."""
     from fatigue_planner.core.files import writable_folder
     from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.output.reports.results.sections.reactions import draw_reactions
     from fatigue_planner.output.reports.results.sections.returns import draw_returns
     from fatigue_planner.study.benchmark.results import load_results
 
-    if settings.figures:
+    profiles = cycle_profiles(settings, reactions)
+    warn(omissions(settings, profiles))
+    feasible = without_infeasible(settings, profiles)
+    if feasible.figures:
         tables = load_results(settings, figures.folder, benchmark)
-        draw_returns(figures, settings, tables.comparison)
+        draw_returns(figures, feasible, tables.comparison)
     writable_folder(figures.folder)
-    draw_reactions(figures, settings, reactions, worker_fatigue(settings), cycle_profiles(settings, reactions))
+    draw_reactions(figures, settings, reactions, worker_fatigue(settings), profiles)
     return figures.files
 
 
@@ -121,6 +126,8 @@ def _write_page(
 ) -> Path:
     """The page, its figures beside it; `commands` make the reactions, the tables and the page."""
     from fatigue_planner.core.files import find_shipped, publish_text
+    from fatigue_planner.experiment.build import cycle_profiles
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.output.reports.html.page import REPORT_FILE
     from fatigue_planner.output.reports.results.report import report as report_page
     from fatigue_planner.output.reports.results.report_data import ReportData
@@ -133,6 +140,9 @@ def _write_page(
     study = study_of(settings, folder.parent)
     shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     path = folder / REPORT_FILE
-    report_data = ReportData(settings, reactions, tables, folder, find_shipped(file), shown, study)
+    profiles = cycle_profiles(settings, reactions)
+    left_out, feasible = omissions(settings, profiles), without_infeasible(settings, profiles)
+    warn(left_out)
+    report_data = ReportData(feasible, reactions, tables, folder, find_shipped(file), shown, study, left_out)
     publish_text(path, report_page(report_data, figures))
     return path

@@ -36,8 +36,9 @@ def simulate(
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
     The joint torques, motions and contact forces of every reaction go to a file (HDF5) in the cache folder.
-    Reactions that are already in the cache are not simulated again. A motion that misses the experiment's
-    accuracy is reported and not kept; a motion that slightly exceeds a limit is kept and marked as degraded.
+    Reactions that are already in the cache are not simulated again. A reaction that cannot be performed, or not
+    with the experiment's accuracy, is a result, too: it is kept, listed with the reason, and left out of what
+    follows. A motion that slightly exceeds a limit is marked as degraded.
     """
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.experiment.loader import load_experiment
@@ -48,17 +49,17 @@ def simulate(
     requests, executor = reaction_requests(settings), executor_of(jobs, dask)
     store = ReactionCache(cache)
     with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:
-        outcomes = store.complete(
-            requests, executor, lambda outcome: counter.advance(pieces=outcome.verdict != "failed")
-        )
+        outcomes = store.complete(requests, executor, lambda outcome: counter.advance(pieces=outcome.kept))
     warn(store.damaged)
     failed = sum(outcome.verdict == "failed" for outcome in outcomes)
-    found = sum(outcome.found for outcome in outcomes)
+    found = sum(outcome.found and outcome.verdict != "failed" for outcome in outcomes)
     simulated, elapsed_s = len(outcomes) - found - failed, time.perf_counter() - begin
-    lines = [f"  {outcome.name!s:<32} {_outcome_text(outcome)}" for outcome in outcomes]
+    lines = [f"  {outcome.name!s:<32} {_outcome_text(outcome)}" for outcome in outcomes if outcome.verdict != "failed"]
     if failed:
-        rest = " The others are kept." if failed < len(outcomes) else ""
-        lines.append(f"{failed} of {len(outcomes)} reactions failed.{rest}")
+        lines.append(f"{failed} of {len(outcomes)} reactions failed, and are left out of what follows:")
+        lines += [
+            f"  {outcome.name!s:<32} {_outcome_text(outcome)}" for outcome in outcomes if outcome.verdict == "failed"
+        ]
     else:
         made = f"{simulated} simulated" if simulated else "nothing to simulate"
         lines.append(f"{cache}: {len(outcomes)} reactions, {found} found in the cache, {made} ({elapsed_s:.1f} s).")

@@ -17,8 +17,8 @@ from fatigue_planner.cli.options import (
     Plugins,
     command_line,
 )
-from fatigue_planner.cli.progress import talk
-from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.cli.progress import talk, warn
+from fatigue_planner.core.errors import FailedMotionError, SelectionError
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -81,21 +81,35 @@ def view(
 
 
 def _motion_clips(settings: "Experiment", wanted: Sequence[str], cache: Path, command: str) -> "list[MotionClip]":
-    """The reactions to show, in the experiment's order. Raises SelectionError for a name it does not have."""
+    """The reactions to show, in the experiment's order.
+
+    Raises SelectionError for a name it does not have, or of a failed one; FailedMotionError if all have failed.
+    """
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.output.viewer.motion_clip import motion_clip_of
     from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.reactions.reaction import FailedReaction
     from fatigue_planner.study.benchmark.selection import choose
 
     requests = reaction_requests(settings)
-    known = [str(request.name) for request in requests]
-    chosen = choose("reaction", known, wanted) if wanted else known[:MAX_UNASKED]
-    if not wanted and len(known) > MAX_UNASKED:
-        talk().print(f"The first {MAX_UNASKED} of {len(known)} reactions; choose others with --reaction.", markup=False)
+    chosen = choose("reaction", [str(request.name) for request in requests], wanted)
     shown = [request for request in requests if str(request.name) in chosen]
-    names = [request.name for request in shown]
-    reactions = ReactionCache(cache).stream(requests, command, names)
-    return [motion_clip_of(request, reaction) for request, reaction in zip(shown, reactions, strict=True)]
+    clips, failed = [], []
+    for request, reaction in zip(shown, ReactionCache(cache).stream(shown, command), strict=True):
+        if isinstance(reaction, FailedReaction):
+            failed.append(f"{reaction.name} cannot be shown, because it cannot be performed: {reaction.reason}")
+            continue
+        clips.append(motion_clip_of(request, reaction))
+        if not wanted and len(clips) == MAX_UNASKED:
+            break
+    if len(clips) + len(failed) < len(shown):
+        talk().print(f"The first {MAX_UNASKED} of {len(shown)} reactions; choose others with --reaction.", markup=False)
+    if wanted and failed:
+        raise SelectionError("\n".join(f"--reaction {line}" for line in failed))
+    if not clips:
+        raise FailedMotionError("\n".join(failed))
+    warn(failed)
+    return clips
 
 
 def _check_times(times_s: Sequence[float], clips: "Sequence[MotionClip]") -> None:

@@ -6,6 +6,8 @@ from enum import IntEnum
 # A message shows at most so many characters of a value, and so many items of a list.
 MAX_SHOWN_LENGTH = 60
 MAX_LISTED = 50
+# So many digits tell any two numbers apart that are not the same but for rounding.
+MAX_DIGITS = 17
 
 
 class ExitCode(IntEnum):
@@ -144,6 +146,16 @@ def shortened(value: object) -> str:
         value = dict(list(value.items())[:MAX_SHOWN_LENGTH])
     text = repr(value)
     return text if len(text) <= MAX_SHOWN_LENGTH else f"{text[:MAX_SHOWN_LENGTH]}…"
+
+
+def told_apart(first: float, second: float, form: str) -> tuple[str, str]:
+    """Two numbers as a message shows them in a form like ".1f", with more digits where they would look the same."""
+    digits, kind = int(form[1:-1]), form[-1]
+    while True:
+        texts = f"{first:.{digits}{kind}}", f"{second:.{digits}{kind}}"
+        if texts[0] != texts[1] or first == second or digits >= MAX_DIGITS:
+            return texts
+        digits += 1
 
 
 def listed(items: Iterable[object]) -> str:

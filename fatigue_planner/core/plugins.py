@@ -29,6 +29,8 @@ from fatigue_planner.core.settings import Settings
 ENTRY_POINTS = "fatigue_planner.plugins"
 # The module of a plug-in file is `fatplan_plugin_<stem of the file>`.
 MODULE_PREFIX = "fatplan_plugin_"
+# How the entry of a plug-in among the sources of a key begins.
+OF_PLUGINS = "plug-in "
 
 K = TypeVar("K", bound=Settings)
 T = TypeVar("T", bound=type)
@@ -201,7 +203,7 @@ def plugin_sources(*kinds: type) -> dict[str, str]:
     for kind in kinds:
         top = kind.__module__.partition(".")[0]
         if top != PACKAGE.name:
-            sources[f"plug-in {top}"] = _digest_of_module(top, kind)
+            sources[f"{OF_PLUGINS}{top}"] = _digest_of_module(top, kind)
     return sources
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fatigue_planner.experiment.benchmark_settings import Condition
+from fatigue_planner.experiment.feasibility import performable_actions
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
 from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
@@ -16,7 +17,7 @@ from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.scenario import Scenario, average_worker
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest
 
 
 def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
@@ -37,11 +38,12 @@ def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
 
 
 def load_reactions(experiment: Experiment, cache_folder: Path, command: str) -> tuple[Reaction, ...]:
-    """The experiment's reactions from the cache; `command`: what makes them, for messages.
+    """The experiment's reactions from the cache, without those that failed; `command`: what makes them, for messages.
 
     Raises MissingReactionsError or DamagedFileError.
     """
-    return ReactionCache(cache_folder).load(reaction_requests(experiment), command)
+    stream = ReactionCache(cache_folder).stream(reaction_requests(experiment), command)
+    return tuple(reaction for reaction in stream if isinstance(reaction, Reaction))
 
 
 def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
@@ -53,29 +55,38 @@ def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
 
 
 def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
-    """How one cycle of every reaction loads the worker, without keeping the motions in memory.
+    """How one cycle of every reaction of the conditions' workers loads them, without those that failed.
 
-    Raises what `load_reactions` raises.
+    One motion at a time is held in memory. Raises what `load_reactions` raises.
     """
-    requests = reaction_requests(experiment)
+    workers = set(map(experiment.worker_of, experiment.benchmark.conditions.values()))
+    requests = [request for request in reaction_requests(experiment) if request.name.worker in workers]
     return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
 
 
-def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction]) -> dict[ReactionName, CycleProfile]:
-    """How one cycle of each of these reactions loads the worker."""
+def cycle_profiles(
+    experiment: Experiment, reactions: Iterable[Reaction | FailedReaction]
+) -> dict[ReactionName, CycleProfile]:
+    """How one cycle of each of these reactions loads the worker; failed ones have none."""
     parameters = worker_fatigue(experiment)
     return {
         reaction.name: cycle_profile(
             reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]
         )
         for reaction in reactions
+        if isinstance(reaction, Reaction)
     }
 
 
 def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Scenario:
-    """The POMDP of a condition, where it starts and what is hidden."""
+    """The POMDP of a condition, where it starts and what is hidden; its actions are those of `performable_actions`."""
     worker = experiment.worker_of(condition)
-    own = {(name.action, name.preference): profile for name, profile in profiles.items() if name.worker == worker}
+    actions = performable_actions(experiment, worker, profiles)
+    own = {
+        (name.action, name.preference): profile
+        for name, profile in profiles.items()
+        if name.worker == worker and name.action in actions
+    }
     start = experiment.initial_beliefs[condition.initial_belief]
     fatigue = np.array([fatigue_state(state.fatigue) for state in start])
     hidden = None if condition.hidden_worker is None else experiment.hidden_workers[condition.hidden_worker]
@@ -89,9 +100,7 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     observations, matrix = preferences, None
     if experiment.recognition_errs():
         observations, matrix = experiment.recognised()
-    model = build_pomdp(
-        tuple(experiment.actions), preferences, own, fatigue, workers, experiment.discount, matrix, observations
-    )
+    model = build_pomdp(actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations)
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])

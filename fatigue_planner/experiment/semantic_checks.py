@@ -1,11 +1,12 @@
 """What the types of the schema cannot say: unknown joints and strengths, impossible times and targets."""
 
 import itertools
+import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.core.errors import DataFileError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
 from fatigue_planner.human.anthropometry import Anthropometry
@@ -17,6 +18,8 @@ from fatigue_planner.motion.payload import HandForce
 
 # Every point of a grid may be out of every worker's reach.
 MAX_REACH_FAULTS = 1000
+# What a number of time steps may be off a whole one by rounding.
+WHOLE_STEPS = 1e-6
 
 
 def semantic_errors(experiment: Experiment) -> list[str]:
@@ -25,6 +28,8 @@ def semantic_errors(experiment: Experiment) -> list[str]:
         itertools.chain(
             _worker_faults(experiment),
             _belief_faults(experiment),
+            _phase_faults(experiment),
+            _tool_faults(experiment),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
             itertools.islice(_reach_faults(experiment), MAX_REACH_FAULTS),
         )
@@ -68,20 +73,47 @@ def _belief_faults(experiment: Experiment) -> Iterator[str]:
                 yield f"initial_beliefs.{name}.{index}.{error}"
 
 
+def _phase_faults(experiment: Experiment) -> Iterator[str]:
+    """A phase is simulated for whole time steps; all other times are points of curves, which every step reads."""
+    step = experiment.controller.time_step_s
+    for key in ("reach_s", "work_s", "return_s"):
+        duration = getattr(experiment.cycle, key)
+        if abs(duration / step - round(duration / step)) > WHOLE_STEPS:
+            shorter = math.floor(duration / step)
+            near = " or ".join(f"{count * step:.10g}" for count in (shorter, shorter + 1))
+            yield (
+                f"cycle.{key} = {duration:g}: should be a whole number of time steps (controller.time_step_s = "
+                f"{step:g}), such as {near}."
+            )
+
+
+def _tool_faults(experiment: Experiment) -> Iterator[str]:
+    hand = experiment.tool.hand
+    if hand is None or experiment.tool.mass_kg == 0:
+        return
+    idle = [name for name, action in experiment.actions.items() if hand not in action.goals()]
+    if idle:
+        yield (
+            f"tool.hand = {hand!r}: this hand has no goal in {listed(f'actions.{name}' for name in idle)}; give it "
+            "one, or leave tool.hand out: the tool is then in the hand that works."
+        )
+
+
 def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[str]:
     work, whole = experiment.cycle.work_s, experiment.cycle.duration_s
     for side, goal in action.goals().items():
         last = goal.path()[-1].work_time_s
         if last > work:
+            latest, end = told_apart(last, work, ".6g")
             yield (
-                f"actions.{name}.{side}_hand.waypoints: the last is reached after {last:g} s of work; cycle.work_s is "
-                f"{work:g}"
+                f"actions.{name}.{side}_hand.waypoints: the last is reached after {latest} s of work; cycle.work_s is "
+                f"{end}"
             )
     for index, load in enumerate(action.loads):
         if isinstance(load, HandForce) and load.force_n[-1].cycle_time_s > whole:
+            latest, end = told_apart(load.force_n[-1].cycle_time_s, whole, ".6g")
             yield (
-                f"actions.{name}.loads.{index}.force_n: cycle_time_s = {load.force_n[-1].cycle_time_s:g} is after the "
-                f"end of the cycle ({whole:g} s)"
+                f"actions.{name}.loads.{index}.force_n: cycle_time_s = {latest} is after the end of the cycle ({end} s)"
             )
 
 
@@ -92,9 +124,10 @@ def _reach_faults(experiment: Experiment) -> Iterator[str]:
             distance = max(float(np.linalg.norm(waypoint.position_m.vector())) for waypoint in goal.path())
             for worker_name, longest in longest_m.items():
                 if distance > longest:
+                    away, reach = told_apart(distance, longest, ".2f")
                     yield (
-                        f"actions.{name}.{side}_hand.position_m: {distance:.2f} m from the feet; ankle, leg, trunk and "
-                        f"arm of worker {worker_name} together measure {longest:.2f} m."
+                        f"actions.{name}.{side}_hand.position_m: {away} m from the feet; ankle, leg, trunk and arm of "
+                        f"worker {worker_name} together measure {reach} m."
                     )
 
 

@@ -1,4 +1,4 @@
-"""Parameters of the fatigue model (paper, sections III-B and IV-B)."""
+"""The fatigue state: its entries, their parameters (paper, sections III-B and IV-B), and joints they belong to."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -13,11 +13,13 @@ from fatigue_planner.human.joint_data import MaximumTorque, known_names
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS, without_side
 
 Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 DIRECTIONS = ("positive", "negative")
 # The 2N entries of the fatigue state: all agonists (positive torque), then all antagonists.
 ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
-
+# Joints of the spine that everyday language takes as one.
+JOINT_GROUP_OF = {"lumbar": "back", "thoracic": "back", "head": "neck"}
 
 # In 1/s: nobody tires or recovers within a hundredth of a second.
 Rate = Annotated[float, Field(gt=0, le=100)]
@@ -117,8 +119,12 @@ def _indices(name: str, key: str) -> list[int]:
     return indices
 
 
+def _freedom_of(entry: str) -> str:
+    return entry.split(":", maxsplit=1)[0]
+
+
 def _names_of(entry: str) -> set[str]:
-    freedom = entry.split(":", maxsplit=1)[0]
+    freedom = _freedom_of(entry)
     return {entry, freedom, without_side(entry), without_side(freedom)}
 
 
@@ -133,20 +139,13 @@ def joint_load_fractions(fraction: Vector) -> dict[str, float]:
     }
 
 
-Array = NDArray[np.float64]
-
-# Joints of the spine that have a common everyday name.
-EVERYDAY_NAMES = {"lumbar": "back", "thoracic": "back", "head": "neck"}
-
-_FREEDOM_OF = np.array([entry.split(":", maxsplit=1)[0] for entry in ENTRIES])
-
-
 def _groups() -> dict[str, NDArray[np.intp]]:
     names: dict[str, list[str]] = {}
     for joint in JOINTS:
-        group = names.setdefault(EVERYDAY_NAMES.get(joint.name, joint.name), [])
+        group = names.setdefault(JOINT_GROUP_OF.get(joint.name, joint.name), [])
         group += [dof.name for dof in joint.degrees_of_freedom]
-    return {group: np.flatnonzero(np.isin(_FREEDOM_OF, freedoms)) for group, freedoms in names.items()}
+    freedom_of = np.array([_freedom_of(entry) for entry in ENTRIES])
+    return {group: np.flatnonzero(np.isin(freedom_of, freedoms)) for group, freedoms in names.items()}
 
 
 JOINT_GROUPS = _groups()

@@ -57,7 +57,7 @@ def maximum_torque(strength: str) -> MaximumTorque:
 
 
 def degrees_of_freedom(name: str) -> list[int]:
-    """Places in a joint vector of a degree of freedom; without its side, of both sides; empty if unknown."""
+    """Indices in a joint vector of a degree of freedom; without its side, of both sides; empty if unknown."""
     return [i for i, dof in enumerate(DEGREES_OF_FREEDOM) if name in {dof, without_side(dof)}]
 
 
@@ -78,13 +78,13 @@ def posture(angles_deg: dict[str, float], key: str) -> Vector:
     lower, upper = position_limits()
     angles = np.zeros(len(DEGREES_OF_FREEDOM))
     for name, degrees in angles_deg.items():
-        places = degrees_of_freedom(name)
-        if not places:
+        indices = degrees_of_freedom(name)
+        if not indices:
             raise DataFileError(f"{key}: unknown degree of freedom {name!r}{known_names(name)}")
-        if not np.degrees(lower[places[0]]) <= degrees <= np.degrees(upper[places[0]]):
+        if not np.degrees(lower[indices[0]]) <= degrees <= np.degrees(upper[indices[0]]):
             raise DataFileError(
                 f"{key}: {name} = {degrees} deg is outside its range of motion "
-                f"[{np.degrees(lower[places[0]]):.0f}, {np.degrees(upper[places[0]]):.0f}] deg"
+                f"[{np.degrees(lower[indices[0]]):.6g}, {np.degrees(upper[indices[0]]):.6g}] deg"
             )
-        angles[places] = np.radians(degrees)
+        angles[indices] = np.radians(degrees)
     return angles

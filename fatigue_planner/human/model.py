@@ -8,7 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.core.errors import DataFileError
+from fatigue_planner.core.errors import DataFileError, told_apart
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.anthropometry import Anthropometry, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
@@ -52,11 +52,19 @@ class Worker(Settings):
 
 
 class Tool(Settings):
-    """A hand tool: a point mass at the centre of the right fist."""
+    """A hand tool: a point mass at the centre of a fist.
+
+    hand: the hand that holds it. Left out, it is the hand that works; where both do, the right one, as in the paper.
+    """
 
     mass_kg: float = Field(ge=0, le=30, description="Mass of the tool in kg; the paper's is 5 kg (section IV-A).")
     held: Literal["cycle", "work"] = Field(
         default="cycle", description="Whether the tool is in the hand during the whole cycle or only during work."
+    )
+    hand: Literal["right", "left"] | None = Field(
+        default=None,
+        description="Hand that holds the tool; it must have a goal in every action. Default: the hand that works, or "
+        "the right one where both do.",
     )
 
 
@@ -166,14 +174,16 @@ def _check_stance(human: Human) -> None:
                 "that their soles meet the ground together."
             )
     forward = float(pin.centerOfMass(human.model, data, human.stance)[0])
-    if abs(forward) > human.sole_half_length_m - STANCE_MARGIN_M:
+    farthest = human.sole_half_length_m - STANCE_MARGIN_M
+    if abs(forward) > farthest:
+        away, allowed = told_apart(100 * abs(forward), 100 * farthest, ".1f")
         raise DataFileError(
-            f"natural_posture_deg: the body leans, its centre of mass stands {100 * forward:+.1f} cm from the middle "
-            f"of the soles (half length {100 * human.sole_half_length_m:.1f} cm). Upright legs have "
-            "hip_flexion = knee_flexion - ankle_flexion, e.g. 2.5, 5 and 2.5."
+            f"natural_posture_deg: the body leans, its centre of mass is {away} cm "
+            f"{'in front of' if forward > 0 else 'behind'} the middle of the soles (allowed: {allowed} cm). Upright "
+            "legs have hip_flexion = knee_flexion - ankle_flexion, e.g. 2.5, 5 and 2.5."
         )
 
 
 def joint_index(name: str) -> int:
-    """Place of a degree of freedom in a joint vector."""
+    """Index of a degree of freedom in a joint vector."""
     return DEGREES_OF_FREEDOM.index(name)

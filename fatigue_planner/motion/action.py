@@ -43,7 +43,7 @@ class Orientation(Settings):
 
 
 class Waypoint(Settings):
-    """A point on a hand's path, `work_time_s` after the beginning of the work phase."""
+    """A pose on a hand's path, `work_time_s` after the beginning of the work phase."""
 
     work_time_s: float = Field(
         ge=0, le=600, description="Time in s since the beginning of the work phase; the first is 0."
@@ -61,7 +61,7 @@ class Waypoint(Settings):
 
 
 class HandGoal(Settings):
-    """What a fist has to do during work: hold a pose, or follow waypoints from rest to rest.
+    """What a hand has to do during work: hold a pose, or follow waypoints from rest to rest.
 
     Without `orientation_deg` the hand may turn as it likes.
     """
@@ -94,7 +94,7 @@ class HandGoal(Settings):
         return self
 
     def path(self) -> tuple[Waypoint, ...]:
-        """The waypoints; a pose to hold is a path of one."""
+        """The waypoints; a pose to hold is a path of one waypoint."""
         if self.position_m is None:
             return self.waypoints
         return (Waypoint(work_time_s=0.0, position_m=self.position_m, orientation_deg=self.orientation_deg),)

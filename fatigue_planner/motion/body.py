@@ -46,11 +46,11 @@ class Body:
         self.human: Human = build_human(request.worker, run.right_kg, run.left_kg)
         self.state = state = BodyState(self.human)
         state.update(self.human.stance, np.zeros(self.human.model.nv))
-        self.grips = {side: state.frame(f"{side}_grip") for side in SIDES}
+        self.hand_frames = {side: state.frame(f"{side}_grip") for side in SIDES}
         self.hands: dict[Side, HandTask] = {
             side: HandTask(
-                weights.hand, stiffness.hand, self.grips[side], slice(6 if goal.turned() else 3),
-                Trajectory.at_rest(self.fist(side)),
+                weights.hand, stiffness.hand, self.hand_frames[side], slice(6 if goal.turned() else 3),
+                Trajectory.at_rest(self.hand_pose(side)),
             )
             for side, goal in request.action.goals().items()
         }  # fmt: skip
@@ -67,17 +67,17 @@ class Body:
         )  # fmt: skip
 
     def lean_against(self, side: Side, force_n: Vector) -> None:
-        """Shift the place of the centre of mass so that a force (3,) on a fist leaves the pressure where it is.
+        """Shift the target of the centre of mass so that a force (3,) on a hand leaves the centre of pressure in place.
 
         The ground bears weight and force where it bears the weight alone, at c, if
-        m g (x - c) = (p - c) F_z - p_z F_x, with x the centre of mass and p the fist (and y alike): who is pushed
-        leans against it, who lifts leans back.
+        m g (x - c) = (p - c) F_z - p_z F_x, with x the centre of mass and p the hand (and y alike): a worker who is
+        pushed leans against the push, one who lifts leans back.
         """
-        at, weight = self.fist(side).position_m, self.human.mass_kg * GRAVITY_MPS2
-        moment = (at[:2] - self.centre_m) * force_n[2] - at[2] * force_n[:2]
+        point, weight = self.hand_pose(side).position_m, self.human.mass_kg * GRAVITY_MPS2
+        moment = (point[:2] - self.centre_m) * force_n[2] - point[2] * force_n[:2]
         self.balance.reference_m = self.balance.reference_m + moment / weight
 
-    def fist(self, side: Side) -> Pose:
-        """Where a fist is."""
-        placement = self.state.placement(self.grips[side])
+    def hand_pose(self, side: Side) -> Pose:
+        """The pose of a hand's frame, at the centre of the fist."""
+        placement = self.state.placement(self.hand_frames[side])
         return Pose(placement.translation.copy(), placement.rotation.copy())

@@ -43,7 +43,7 @@ class SoleContact:
         self.home: pin.SE3 = state.placement(frame).copy()
 
     def displacement(self, state: BodyState) -> Vector:
-        """How far the sole is from its place: (6,) m and rad, in the sole's axes."""
+        """How far the sole is from its initial pose: (6,) m and rad, in the sole's axes."""
         return np.asarray(pin.log6(self.home.actInv(state.placement(self.frame))).vector)
 
     def required_acceleration(self, state: BodyState, jacobian: Matrix) -> Vector:

@@ -28,8 +28,8 @@ from fatigue_planner.motion.tasks.task import Task
 Vector = NDArray[np.float64]
 
 
-# Beyond this a body whose limits give way is falling, not moving (human limbs reach it in fast throws only).
-MOST_EASED_RADPS2 = 100.0
+# Beyond this a body whose limits are eased is falling, not moving (human limbs reach it in fast throws only).
+MAX_EASED_RADPS2 = 100.0
 
 
 class Tick(NamedTuple):
@@ -54,10 +54,10 @@ class LimitKind(Enum):
 
 
 class Obstacle(NamedTuple):
-    """The limit in the way of any movement: its kind, where, how much in words, and as a share of its scale."""
+    """The limit in the way of any movement: its kind, its location, by how much in words, and relative to its scale."""
 
     kind: LimitKind
-    place: str
+    location: str
     amount: str
     share: float
 
@@ -128,12 +128,12 @@ class WholeBodyController:
         self._wrench_scale = np.tile(self.settings.regularisation.relative_wrench / scale**2, len(self.contacts))
 
     def step(self) -> Tick | None:
-        """Solve the program for the state as it stands; None if it has no solution.
+        """Solve the program for the current state; None if it has no solution.
 
         Torques and contact forces are free at first: where the answer keeps their limits, it is the answer
         of the whole program, too, since that is strictly convex. Where the limits contradict each other, the
-        bounds of the joint accelerations give way, as little as they can and never by more than
-        MOST_EASED_RADPS2; all others hold.
+        bounds of the joint accelerations are eased, as little as possible and never by more than
+        MAX_EASED_RADPS2; all others hold.
         """
         self._fill_free_program()
         solution = solve_with_fallback(self.free)
@@ -153,7 +153,7 @@ class WholeBodyController:
         """The solution with the bounds of the joint accelerations eased as little as possible."""
         joints = np.arange(BASE_DOF, self.nv)
         slack = self._slack(LimitKind.JOINT)
-        if slack is None or np.abs(slack).max() > MOST_EASED_RADPS2:
+        if slack is None or np.abs(slack).max() > MAX_EASED_RADPS2:
             return None
         lowest, highest = self.program.lower[joints], self.program.upper[joints]
         solution = solve_eased(self.program, joints, slack)
@@ -163,13 +163,13 @@ class WholeBodyController:
         return self._tick(solution, beyond)
 
     def obstacle(self) -> Obstacle | None:
-        """After a step without solution: the limit whose giving way, the least of all kinds, would allow one."""
+        """After a step without solution: the limit that would have to be relaxed least, of all kinds, to allow one."""
         self.fill_whole_program()
         obstacles = [obstacle for kind in LimitKind for obstacle in [self._obstacle(kind)] if obstacle is not None]
         return min(obstacles, key=lambda obstacle: obstacle.share, default=None)
 
     def _obstacle(self, kind: LimitKind) -> Obstacle | None:
-        """How far the limits of one kind would have to give way, if they alone were elastic; None if no help."""
+        """How far the limits of one kind have to be relaxed if no others may be; None if that does not help."""
         slack = self._slack(kind)
         if slack is None:
             return None
@@ -178,17 +178,17 @@ class WholeBodyController:
         excess = abs(slack[worst])
         match kind:
             case LimitKind.JOINT:
-                place, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
+                location, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
             case LimitKind.TORQUE:
                 limit = (self._highest_torque if slack[worst] > 0 else -self._lowest_torque)[worst]
-                place = DEGREES_OF_FREEDOM[worst]
+                location = DEGREES_OF_FREEDOM[worst]
                 amount = f"{excess:.1f} N.m more than the {limit:.1f} N.m allowed"
             case LimitKind.CONTACT:
-                place, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
-        return Obstacle(kind, place, amount, float(share[worst]))
+                location, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
+        return Obstacle(kind, location, amount, float(share[worst]))
 
     def _slack(self, kind: LimitKind) -> Vector | None:
-        """By how much the limits of one kind have to give way for a solution, at least."""
+        """By how much, at least, the limits of one kind have to be relaxed for a solution."""
         torque, cone = self._torque_rows.start, self._torque_rows.stop
         bounds = np.arange(BASE_DOF, self.nv) if kind is LimitKind.JOINT else np.arange(0)
         rows = {
@@ -199,7 +199,7 @@ class WholeBodyController:
         return smallest_slack(self.program, bounds, rows, self._scale[kind])
 
     def weigh(self, task: int, share: float, first_row: int = 0) -> None:
-        """Give a task (by its place in the list), or its rows from one on, a share of its weight."""
+        """Give a task (by its index), or its rows from `first_row` on, a fraction of its weight."""
         self._task_weight[self._task_rows[task]][first_row:] = share * self.tasks[task].weight
 
     def _fill_limits(self) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.errors import FailedMotionError
+from fatigue_planner.core.errors import FailedMotionError, told_apart
 from fatigue_planner.motion.body import Body
 from fatigue_planner.motion.controller import LimitKind
 from fatigue_planner.motion.quality import Saturation, saturation
@@ -18,7 +18,7 @@ LASTING = 0.1
 def failure(body: Body, tick: int, torque_nm: Matrix) -> FailedMotionError:
     """The error of a tick without solution; `torque_nm` (tick, 39) is what was exerted before.
 
-    It names time, phase, tick, the limit in the way and joints at their maximum torque, and advises.
+    It names time, phase, tick, the limit in the way and joints at their maximum torque, and gives advice.
     """
     settings = body.request.controller
     phases = phases_of(body.request.cycle, settings.time_step_s)
@@ -27,7 +27,7 @@ def failure(body: Body, tick: int, torque_nm: Matrix) -> FailedMotionError:
     obstacle = body.controller.obstacle()
     if obstacle is None:
         return FailedMotionError(f"{where}: the equations of motion and of the feet contradict each other.")
-    reason = f"{where}: {obstacle.kind.value} of {obstacle.place} ({obstacle.amount})"
+    reason = f"{where}: {obstacle.kind.value} of {obstacle.location} ({obstacle.amount})"
     limits = (settings.torque_limit_factor * torque for torque in body.request.maximum_torque.vectors())
     before = saturation(torque_nm, *limits) if tick else Saturation("", 0.0, 0)
     if before.share > 0:
@@ -63,5 +63,6 @@ def _too_far(body: Body) -> str:
         shoulder = body.state.placement(body.state.frame(f"{side}_upper_arm")).translation
         away = float(np.linalg.norm(task.reference.position_m[task.index] - shoulder))
         if away > arm:
-            return f"the {side} hand should be {away:.2f} m from the shoulder, the arm measures {arm:.2f} m"
+            distance, length = told_apart(away, arm, ".2f")
+            return f"the {side} hand should be {distance} m from the shoulder, the arm measures {length} m"
     return ""

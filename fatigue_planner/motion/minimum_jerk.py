@@ -22,7 +22,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class Trajectory:
-    """A pose over T moments: position (T, 3), rotation (T, 3, 3); velocity and acceleration (T, 6), each linear,
+    """A pose over T instants: position (T, 3), rotation (T, 3, 3); velocity and acceleration (T, 6), each linear,
     then angular part, world axes.
     """
 
@@ -33,7 +33,7 @@ class Trajectory:
 
     @classmethod
     def at_rest(cls, pose: Pose) -> Self:
-        """A pose that does not move, for one moment."""
+        """A pose that does not move, for one instant."""
         return cls(pose.position_m[None], pose.rotation[None], np.zeros((1, 6)), np.zeros((1, 6)))
 
     @classmethod
@@ -43,7 +43,7 @@ class Trajectory:
 
 
 def minimum_jerk(fraction: Vector) -> tuple[Vector, Vector, Vector]:
-    """Path share s (T,) and its first and second derivatives after fractions (T,) of the duration.
+    """Path fraction s (T,) and its first and second derivatives after fractions (T,) of the duration.
 
     s(x) = 10 x^3 - 15 x^4 + 6 x^5 for 0 <= x <= 1, held outside (derivatives with respect to x).
     """

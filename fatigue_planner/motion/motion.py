@@ -1,4 +1,4 @@
-"""What a simulation leaves: the motion of one cycle."""
+"""The result of a simulation: the motion of one cycle."""
 
 from dataclasses import dataclass, fields
 from typing import NamedTuple
@@ -23,9 +23,9 @@ class Motion:
     """A simulated cycle of T ticks; row i is the instant i * time_step_s and holds until the next.
 
     configuration (T, 46), velocity (T, 45), acceleration (T, 45), torque_nm (T, 39), wrench (T, 12)
-    as in `Human` and `WholeBodyController`; hand_force_n (T, 6) the forces on the right and left fist
+    as in `Human` and `WholeBodyController`; hand_force_n (T, 6) the forces on the right and left hand
     in world axes (masses held are not among them, they are part of the body); hand_error_m (T,) how far
-    a fist is from its reference, the larger of both; eased_radps2 (T, 39) how far joint accelerations
+    a hand is from its reference, the larger of both; eased_radps2 (T, 39) how far joint accelerations
     left their bounds because there was no solution within them.
     """
 

@@ -15,7 +15,7 @@ Vector = NDArray[np.float64]
 
 
 class CarriedMass(Settings):
-    """A point mass in the middle of a fist during some phases."""
+    """A point mass at the centre of a fist during some phases."""
 
     kind: Literal["mass"] = Field(description="A mass that the hand carries.")
     hand: Side = Field(description="The hand that carries the mass.")
@@ -35,7 +35,7 @@ class TimedForce(Settings):
 
 
 class HandForce(Settings):
-    """A force on the middle of a fist: linear between the times given, constant before and after.
+    """A force on the centre of a fist: linear between the times given, constant before and after.
 
     In the axes of the world (a weight of 40 N is z: -40) or of the hand, which turn with it.
     """

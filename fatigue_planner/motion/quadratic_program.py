@@ -1,4 +1,8 @@
-"""A convex quadratic program of fixed size, solved again and again without copying; with elastic limits, too."""
+"""A convex quadratic program of fixed size, solved at every tick without copying.
+
+Where its solver fails, another one is tried (`solve_with_fallback`). Where it has no solution, its limits can be
+relaxed as little as possible (`smallest_slack`, `solve_eased`).
+"""
 
 import io
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
@@ -12,13 +16,19 @@ from fatigue_planner.core.jit import compiled
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 # What the optimality conditions may be missed by; on the paper's motions both solvers stay below 1e-10.
 OPTIMALITY = 1e-6
 # Solvers stop at constraints kept to about 1e-6; an answer between these two is worth polishing.
 POLISH, ROUGH = 1e-9, 1e-2
 
-SECOND_OPINION = {"daqp": "qpoases", "qpoases": "daqp"}
+FALLBACK_SOLVER = {"daqp": "qpoases", "qpoases": "daqp"}
+
+# Weight of the unknowns beside the slack, only to make the smallest slack's solution unique.
+REGULARISATION = 1e-6
+# By how much more than the smallest slack a limit is eased, so that rounding leaves a solution.
+MARGIN = 1e-6
 
 
 class QuadraticProgram:
@@ -68,7 +78,7 @@ class QuadraticProgram:
     def solve(self) -> Vector | None:
         """The minimiser (n,); None if the data are not finite or the answer is not proved optimal.
 
-        A solver's word is not taken for it, nor asked: the optimality conditions are checked.
+        The solver's status is ignored: the optimality conditions are checked.
         """
         if not _finite(self._arrays["h"], self._arrays["a"], self.g, self._lower, self._upper):
             return None
@@ -151,30 +161,22 @@ def _optimality(H: Matrix, A: Matrix, g: Vector, lower: Vector, upper: Vector, x
 
 
 def solve_with_fallback(program: QuadraticProgram) -> Vector | None:
-    """The minimiser (n,) by the program's solver or, where that fails, by another one.
+    """The minimiser (n,) by the program's solver or, where that fails, by the fallback solver.
 
-    The other one is made anew each time: qpOASES goes on from its last answer, and a tick's answer must
+    The fallback is created anew each time: qpOASES starts from its last answer, and a tick's answer must
     not depend on the ticks before it.
     """
     solution = program.solve()
     if solution is not None:
         return solution
     rows, variables = program.A.shape
-    second = QuadraticProgram(variables, rows, SECOND_OPINION[program.solver])
-    second.copy_from(program)
-    return second.solve()
-
-
-Indices = NDArray[np.intp]
-
-# Weight of the unknowns beside the slack, only to make the smallest slack's solution unique.
-REGULARISATION = 1e-6
-# What an eased limit gives way beyond the smallest slack, so that rounding leaves room for a solution.
-MARGIN = 1e-6
+    fallback = QuadraticProgram(variables, rows, FALLBACK_SOLVER[program.solver])
+    fallback.copy_from(program)
+    return fallback.solve()
 
 
 def smallest_slack(program: QuadraticProgram, bounds: Indices, rows: Indices, scale: Vector) -> Vector | None:
-    """By how much the bounds and rows named have to give way, (k,), bounds first; None if that is no help.
+    """By how much the given bounds and rows have to be relaxed, (k,), bounds first; None if that does not help.
 
     min |s|^2 + REGULARISATION |x|^2 with x_i - scale s between its bounds for the variables `bounds` and
     (A x)_j - scale s between its own for the constraints `rows`; all else as in the program. `scale` (k,)
@@ -194,15 +196,15 @@ def smallest_slack(program: QuadraticProgram, bounds: Indices, rows: Indices, sc
         elastic.A[row, variable], elastic.A[row, n + slack] = 1, -scale[slack]
         elastic.row_lower[row], elastic.row_upper[row] = program.lower[variable], program.upper[variable]
         elastic.lower[variable], elastic.upper[variable] = -np.inf, np.inf
-    for place, constraint in enumerate(rows, start=len(bounds)):
-        elastic.A[constraint, n + place] = -scale[place]
+    for slack, constraint in enumerate(rows, start=len(bounds)):
+        elastic.A[constraint, n + slack] = -scale[slack]
     solution = solve_with_fallback(elastic)
     return None if solution is None else scale * solution[n:]
 
 
 def solve_eased(program: QuadraticProgram, bounds: Indices, slack: Vector) -> Vector | None:
     """The minimiser (n,) with the bounds of these variables eased by their slack (k,); None if there is none."""
-    room = MARGIN * (1 + np.abs(slack))
-    program.lower[bounds] += np.minimum(slack, 0) - room
-    program.upper[bounds] += np.maximum(slack, 0) + room
+    margin = MARGIN * (1 + np.abs(slack))
+    program.lower[bounds] += np.minimum(slack, 0) - margin
+    program.upper[bounds] += np.maximum(slack, 0) + margin
     return solve_with_fallback(program)

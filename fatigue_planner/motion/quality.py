@@ -1,4 +1,4 @@
-"""How good a motion is, which joints are at their torque limit, and the verdict on it."""
+"""How good a motion is: which joints are at their torque limit, what it fulfils, and the verdict on it."""
 
 from dataclasses import asdict, dataclass
 from typing import Literal, NamedTuple
@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import told_apart
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Accuracy
 
@@ -13,6 +14,19 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 AT_LIMIT = 0.999  # of the maximum torque
+
+Verdict = Literal["ok", "degraded", "failed"]
+
+# Values that inform, or have a message of their own.
+NOT_BARS = (
+    "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
+    "saturated_joint", "eased_ticks", "eased_radps2",
+)  # fmt: skip
+REMEDIES = {
+    "foot_displacement_m": "a smaller controller.time_step_s helps",
+    "energy_error_share": "a smaller controller.time_step_s helps",
+    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
+}
 
 
 class Saturation(NamedTuple):
@@ -34,25 +48,11 @@ def saturation(torque_nm: Matrix, positive_nm: Vector, negative_nm: Vector) -> S
     return Saturation(name, float(share[joint]), int(at_limit[:, joint].argmax()))
 
 
-Verdict = Literal["ok", "degraded", "failed"]
-
-# Values that inform, or have a message of their own.
-NOT_BARS = (
-    "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
-    "saturated_joint", "eased_ticks", "eased_radps2",
-)  # fmt: skip
-REMEDIES = {
-    "foot_displacement_m": "a smaller controller.time_step_s helps",
-    "energy_error_share": "a smaller controller.time_step_s helps",
-    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
-}
-
-
 @dataclass(frozen=True)
 class Quality:
     """The worst value over all ticks of everything a motion has to fulfil (SI; violations <= 0 are none).
 
-    not_finite counts values that are no numbers. record_error is how far the record is from what follows
+    not_finite counts values that are not finite. record_error is how far the record is from what follows
     from itself and from what was asked for: that it starts at rest in the stance, follows its own
     accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
     largest_load_share is the largest mean load of a joint during work, as a share of its strength.
@@ -87,15 +87,16 @@ class Quality:
         """What is not fulfilled, in words; empty for a motion that can be used."""
         faults = []
         if not self.work_hand_error_m <= required.hand_error_m:
+            error, allowed = told_apart(self.work_hand_error_m * 100, required.hand_error_m * 100, ".1f")
             faults.append(
-                f"{self._why_off()}: the hand stays {self.work_hand_error_m * 100:.1f} cm from its target during work "
-                f"(allowed: {required.hand_error_m * 100:.1f} cm); bring the object closer for this worker and "
-                "preference"
+                f"{self._why_off()}: the hand stays {error} cm from its target during work (allowed: {allowed} cm); "
+                "bring the object closer for this worker and preference"
             )
         if not self.work_hand_turn_rad <= required.hand_turn_rad:
+            error, allowed = told_apart(self.work_hand_turn_rad, required.hand_turn_rad, ".3f")
             faults.append(
-                f"the hand stays {self.work_hand_turn_rad:.3f} rad from its orientation during work (allowed: "
-                f"{required.hand_turn_rad:.3f} rad); turn the object, or leave orientation_deg out"
+                f"the hand stays {error} rad from its orientation during work (allowed: {allowed} rad); turn the "
+                "object, or leave orientation_deg out"
             )
         bounds = {
             "equation_of_motion_nm": required.equation_of_motion_nm,
@@ -104,10 +105,11 @@ class Quality:
             "position_violation_rad": required.eased_position_rad if self.eased_ticks else required.limit_violation,
         }
         for name, value in asdict(self).items():
-            allowed = bounds.get(name, required.limit_violation)
-            if name not in NOT_BARS and not value <= allowed:
+            bound = bounds.get(name, required.limit_violation)
+            if name not in NOT_BARS and not value <= bound:
                 remedy = f"; {REMEDIES[name]}" if name in REMEDIES else ""
-                faults.append(f"{name} = {value:.2e} (allowed: {allowed:.0e}{remedy})")
+                found, allowed = told_apart(value, bound, ".2e")
+                faults.append(f"{name} = {found} (allowed: {allowed}{remedy})")
         return faults
 
     def _why_off(self) -> str:

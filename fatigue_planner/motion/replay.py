@@ -23,7 +23,7 @@ class Replay:
     residual_nm (n, 45): M a + h - S' tau - J' w - J_h' f_h; centre_of_mass_m (n, 3); energy_j (n,):
     kinetic and potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques, and the
     ground and the forces on the hands, do between a tick and the next, at the mean of both velocities;
-    fists (n, 2) the poses of the right and left fist; sole_displacement_m (n, 2) how far the corner of a
+    hand_poses (n, 2) the poses of the right and left hand's frame; sole_displacement_m (n, 2) how far the corner of a
     sole that moved most is from where it stood in the natural stance.
     """
 
@@ -32,14 +32,14 @@ class Replay:
     energy_j: Vector
     actuator_work_j: Vector
     contact_work_j: Vector
-    fists: list[tuple[pin.SE3, pin.SE3]]
+    hand_poses: list[tuple[pin.SE3, pin.SE3]]
     sole_displacement_m: Matrix
 
 
 def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     """Recompute the ticks of a run."""
     model, data = human.model, human.model.createData()
-    soles, grips = ([model.getFrameId(f"{side}_{part}") for side in SIDES] for part in ("sole", "grip"))
+    soles, hands = ([model.getFrameId(f"{side}_{part}") for side in SIDES] for part in ("sole", "grip"))
     pin.framesForwardKinematics(model, data, human.stance)
     length, breadth = human.sole_half_length_m, human.sole_half_breadth_m
     corners = np.array([[x, y, 0] for x in (-length, length) for y in (-breadth, breadth)])
@@ -47,7 +47,7 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     displacement = np.empty((len(ticks), 2))
     residual, centre = np.empty((len(ticks), model.nv)), np.empty((len(ticks), 3))
     energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
-    fists = []
+    hand_poses = []
     pushed_hands = bool(motion.hand_force_n.any())
     velocity = motion.velocity[ticks.start : ticks.stop]
     mean_velocity = (velocity[1:] + velocity[:-1]) / 2
@@ -63,10 +63,10 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
         for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
             pushed += wrench @ pin.getFrameJacobian(model, data, sole, _LOCAL)
         if pushed_hands:
-            for grip, force in zip(grips, motion.hand_force_n[tick].reshape(2, 3), strict=True):
-                pushed += force @ pin.getFrameJacobian(model, data, grip, _WORLD)[:3]
+            for hand, force in zip(hands, motion.hand_force_n[tick].reshape(2, 3), strict=True):
+                pushed += force @ pin.getFrameJacobian(model, data, hand, _WORLD)[:3]
         residual[row] -= pushed
-        fists.append((data.oMf[grips[0]].copy(), data.oMf[grips[1]].copy()))
+        hand_poses.append((data.oMf[hands[0]].copy(), data.oMf[hands[1]].copy()))
         displacement[row] = [
             np.linalg.norm(_points(data.oMf[sole], corners) - at, axis=1).max()
             for sole, at in zip(soles, home, strict=True)
@@ -75,7 +75,7 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
             contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
     torque = motion.torque_nm[ticks.start : ticks.stop - 1]
     work = motion.time_step_s * np.einsum("ij,ij->i", torque, mean_velocity[:, BASE_DOF:])
-    return Replay(residual, centre, energy, work, contact_work, fists, displacement)
+    return Replay(residual, centre, energy, work, contact_work, hand_poses, displacement)
 
 
 def _points(placement: pin.SE3, local: Matrix) -> Matrix:

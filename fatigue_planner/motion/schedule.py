@@ -1,5 +1,6 @@
 """What a request means in ticks: phases, hand trajectories, masses in the hands, forces, switching of tasks."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,8 @@ Matrix = NDArray[np.float64]
 
 # A task that begins or ends with a phase comes and goes over this time, so that no torque jumps.
 SWITCH_S = 0.5
+# By how much of a tick a time may be off by rounding.
+ROUNDING = 1e-6
 
 
 class Run(NamedTuple):
@@ -30,18 +33,18 @@ class Run(NamedTuple):
 
 
 def phases_of(cycle: Cycle, time_step_s: float) -> tuple[Phase, ...]:
-    """The phases in ticks; their lengths are rounded to whole ticks."""
+    """The phases in ticks, whole numbers of which an experiment has to give."""
     ends = np.cumsum([cycle.reach_s, cycle.work_s, cycle.return_s])
     ticks = [0, *(round(end / time_step_s) for end in ends)]
     return tuple(Phase(name, ticks[i], ticks[i + 1]) for i, name in enumerate(PHASES))
 
 
 def runs_of(tool: Tool, action: Action, phases: tuple[Phase, ...]) -> tuple[Run, ...]:
-    """The cycle in runs of constant masses; the tool is one of the right hand's."""
+    """The cycle in runs of constant masses."""
     masses = [load for load in action.loads if isinstance(load, CarriedMass)]
     if tool.mass_kg > 0:
         during: tuple[PhaseName, ...] = PHASES if tool.held == "cycle" else ("work",)
-        masses.append(CarriedMass(kind="mass", hand="right", mass_kg=tool.mass_kg, during=during))
+        masses.append(CarriedMass(kind="mass", hand=tool_hand(tool, action), mass_kg=tool.mass_kg, during=during))
     runs: list[Run] = []
     for phase in phases:
         right, left = (
@@ -52,6 +55,12 @@ def runs_of(tool: Tool, action: Action, phases: tuple[Phase, ...]) -> tuple[Run,
         else:
             runs.append(Run(phase.start, phase.stop, right, left))
     return tuple(runs)
+
+
+def tool_hand(tool: Tool, action: Action) -> Side:
+    """The hand that holds the tool during an action: the one that is named, else the right one if it works."""
+    first: Side = next(iter(action.goals()))
+    return tool.hand or first
 
 
 class PlannedForce(NamedTuple):
@@ -72,8 +81,8 @@ def forces_of(action: Action, ticks: int, time_step_s: float) -> tuple[PlannedFo
     )
 
 
-def share_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step_s: float) -> Vector | None:
-    """How much of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
+def weight_factor_of(during: tuple[PhaseName, ...], phases: tuple[Phase, ...], time_step_s: float) -> Vector | None:
+    """The fraction of its weight a task has at every tick (T,), 0 to 1; None if it always has all of it.
 
     It rises with the first `SWITCH_S` of the phase it begins with and falls with those of the phase
     that follows its last, or with all of a phase that is shorter.
@@ -110,8 +119,8 @@ def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_s
     arrivals = [begin_s + waypoint.work_time_s for waypoint in path]
     starts = [reach.start * time_step_s, *arrivals[:-1], back.start * time_step_s]
     ends = [*arrivals, back.stop * time_step_s]
-    # the ticks of a leg: those from its beginning to that of the next one
-    bounds = [round(start / time_step_s) for start in starts] + [back.stop]
+    # the ticks of a leg: those from its beginning, at a tick or between two, to that of the next one
+    bounds = [math.ceil(start / time_step_s - ROUNDING) for start in starts] + [back.stop]
     return Trajectory.joined(
         [
             Reach(poses[leg], poses[leg + 1], ends[leg] - starts[leg]).at(

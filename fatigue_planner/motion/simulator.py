@@ -8,7 +8,15 @@ from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.failure import failure
 from fatigue_planner.motion.motion import Motion
-from fatigue_planner.motion.schedule import Run, forces_of, hand_reference, phases_of, rise_of, runs_of, share_of
+from fatigue_planner.motion.schedule import (
+    Run,
+    forces_of,
+    hand_reference,
+    phases_of,
+    rise_of,
+    runs_of,
+    weight_factor_of,
+)
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -24,14 +32,14 @@ class Simulator:
         self.ticks = self.phases[-1].stop
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
-        shares = [share_of(task.during, self.phases, dt) for task in request.preference.tasks]
+        factors = [weight_factor_of(task.during, self.phases, dt) for task in request.preference.tasks]
         self._turned_share = np.ones(self.ticks)
         if request.cycle.return_hand == "position":
             self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
-        self._switched = [(place, share) for place, share in enumerate(shares) if share is not None]
+        self._switched = [(index, factor) for index, factor in enumerate(factors) if factor is not None]
         self.body = Body(request, self.runs[0])
         self.references = {
-            side: hand_reference(self.body.fist(side), goal, self.phases, dt)
+            side: hand_reference(self.body.hand_pose(side), goal, self.phases, dt)
             for side, goal in request.action.goals().items()
         }
         self._hand_over()
@@ -47,23 +55,23 @@ class Simulator:
             task.reference = self.references[side]
 
     def prepare(self, tick: int) -> Vector:
-        """Evaluate the body, its references and the forces at a tick; returns the forces on the fists (6,)."""
+        """Evaluate the body, its references and the forces at a tick; returns the forces on the hands (6,)."""
         body = self.body
         body.state.update(self.configuration, self.velocity)
         body.balance.reference_m = body.centre_m
-        pushed = np.zeros(6)
+        forces = np.zeros(6)
         for planned in self.forces:
-            turn = body.state.placement(body.grips[planned.hand]).rotation if planned.in_hand_axes else np.eye(3)
+            turn = body.state.placement(body.hand_frames[planned.hand]).rotation if planned.in_hand_axes else np.eye(3)
             force = turn @ planned.force_n[tick]
-            body.state.push(body.grips[planned.hand], force)
+            body.state.push(body.hand_frames[planned.hand], force)
             body.lean_against(planned.hand, force)
-            pushed[3 * SIDES.index(planned.hand) :][:3] += force
-        for place, task in enumerate(body.hands.values(), start=1):
+            forces[3 * SIDES.index(planned.hand) :][:3] += force
+        for index, task in enumerate(body.hands.values(), start=1):
             task.index = tick
-            body.controller.weigh(place, self._turned_share[tick], first_row=3)
-        for place, share in self._switched:
-            body.controller.weigh(body.first_preferred + place, share[tick])
-        return pushed
+            body.controller.weigh(index, self._turned_share[tick], first_row=3)
+        for index, factor in self._switched:
+            body.controller.weigh(body.first_preferred + index, factor[tick])
+        return forces
 
     def advance(self, acceleration: Vector) -> None:
         """A semi-implicit Euler step on the configuration manifold."""
@@ -72,10 +80,10 @@ class Simulator:
             self.body.human.model, self.configuration, self.time_step_s * self.velocity
         )  # fmt: skip
 
-    def fists(self) -> Vector:
-        """Where the fists with a goal are, (3 per hand,) m."""
-        state, grips = self.body.state, self.body.grips
-        return np.concatenate([state.placement(grips[side]).translation for side in self.references])
+    def hand_positions(self) -> Vector:
+        """The positions of the hands with a goal, (3 per hand,) m."""
+        state, frames = self.body.state, self.body.hand_frames
+        return np.concatenate([state.placement(frames[side]).translation for side in self.references])
 
 
 def simulate(request: MotionRequest) -> Motion:
@@ -91,7 +99,7 @@ def simulate(request: MotionRequest) -> Motion:
         "hand_force_n": 6, "eased_radps2": nv - 6,
     }  # fmt: skip
     record = {name: np.empty((simulator.ticks, width)) for name, width in widths.items()}
-    fists = np.empty((simulator.ticks, 3 * len(simulator.references)))
+    positions = np.empty((simulator.ticks, 3 * len(simulator.references)))
     for run in simulator.runs:
         if run.start > 0:
             simulator.take_up(run)
@@ -104,8 +112,8 @@ def simulate(request: MotionRequest) -> Motion:
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force
             record["eased_radps2"][tick] = result.eased_radps2
-            fists[tick] = simulator.fists()
+            positions[tick] = simulator.hand_positions()
             simulator.advance(result.acceleration)
     wanted = np.concatenate([reference.position_m for reference in simulator.references.values()], axis=1)
-    errors = np.linalg.norm((fists - wanted).reshape(simulator.ticks, -1, 3), axis=2)
+    errors = np.linalg.norm((positions - wanted).reshape(simulator.ticks, -1, 3), axis=2)
     return Motion(time_step_s=simulator.time_step_s, phases=simulator.phases, hand_error_m=errors.max(axis=1), **record)

@@ -18,7 +18,7 @@ from fatigue_planner.motion.schedule import forces_of, hand_reference, phases_of
 
 Matrix = NDArray[np.float64]
 
-# A sole that presses less has no centre of pressure to speak of; its moments still have to be as small.
+# A sole that presses less has no meaningful centre of pressure; its moments still have to be as small.
 PRESSING_N = 1.0
 
 
@@ -28,7 +28,7 @@ class MismatchError(ValueError):
 
 @dataclass(frozen=True)
 class _HandErrors:
-    """The largest distance (m) and turn (rad) of a fist from its reference during work; and how far the
+    """The largest distance (m) and turn (rad) of a hand from its reference during work; and how far the
     distances recorded over the whole cycle are from these.
     """
 
@@ -41,7 +41,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     """Recompute every check from the stored arrays with Pinocchio's own algorithms.
 
     The equation of motion is evaluated by the recursive Newton-Euler algorithm, which the controller
-    does not use. Values that are not finite are counted, and no bound accepts what they make of a check.
+    does not use. Values that are not finite are counted, and a check that they enter passes no bound.
     Raises MismatchError if the motion has another shape than the request asks for.
     """
     check_shape(request, motion)
@@ -49,7 +49,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     bodies = [build_human(request.worker, run.right_kg, run.left_kg) for run in runs]
     # where a mass is taken up or put down, the body changes and a new run begins
     replays = [replay(body, motion, range(run.start, run.stop)) for body, run in zip(bodies, runs, strict=True)]
-    fists = [both for run in replays for both in run.fists]
+    hand_poses = [both for run in replays for both in run.hand_poses]
     human = bodies[0]
     factor = request.controller.torque_limit_factor
     positive, negative = (factor * torque for torque in request.maximum_torque.vectors())
@@ -62,7 +62,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     normal = forces[:, 2]
     pressing = np.maximum(normal, PRESSING_N)
     tipping = np.abs(forces[:, [4, 3]]) - normal[:, None] * [length, breadth]
-    hands = _hand_errors(human, request, motion, fists)
+    hands = _hand_errors(human, request, motion, hand_poses)
     at_work = motion.torque_nm[motion.phase("work")]
     saturated = saturation(at_work, positive, negative)
     mean_share = np.maximum(at_work / positive, -at_work / negative).mean(axis=0) * factor
@@ -71,7 +71,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     return Quality(
         not_finite=int(sum((~np.isfinite(getattr(motion, name))).sum() for name in ROWS)),
         record_error=float(
-            np.max([_integration_error(human, motion), _force_error(request, motion, fists), hands.recorded_m])
+            np.max([_integration_error(human, motion), _force_error(request, motion, hand_poses), hands.recorded_m])
         ),
         equation_of_motion_nm=float(np.max([np.abs(run.residual_nm).max() for run in replays])),
         friction_violation_n=float((np.hypot(forces[:, 0], forces[:, 1]) - friction * normal).max()),
@@ -121,17 +121,17 @@ def _integration_error(human: Human, motion: Motion) -> float:
 
 
 def _hand_errors(
-    human: Human, request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]
+    human: Human, request: MotionRequest, motion: Motion, hand_poses: list[tuple[pin.SE3, pin.SE3]]
 ) -> _HandErrors:
     data = human.model.createData()
     pin.framesForwardKinematics(human.model, data, human.stance)
     distances, turn = [], 0.0
     work = motion.phase("work")
     for side, goal in request.action.goals().items():
-        grip = data.oMf[human.model.getFrameId(f"{side}_grip")]
-        wanted = hand_reference(Pose(grip.translation, grip.rotation), goal, motion.phases, motion.time_step_s)
-        own = [both[SIDES.index(side)] for both in fists]
-        distances.append(np.linalg.norm([fist.translation for fist in own] - wanted.position_m, axis=1))
+        home = data.oMf[human.model.getFrameId(f"{side}_grip")]
+        wanted = hand_reference(Pose(home.translation, home.rotation), goal, motion.phases, motion.time_step_s)
+        own = [both[SIDES.index(side)] for both in hand_poses]
+        distances.append(np.linalg.norm([pose.translation for pose in own] - wanted.position_m, axis=1))
         if goal.turned():
             turns = [
                 np.linalg.norm(pin.log3(wanted.rotation[i] @ own[i].rotation.T)) for i in range(*work.indices(len(own)))
@@ -142,14 +142,14 @@ def _hand_errors(
     return _HandErrors(float(largest[work].max()), float(turn), recorded)
 
 
-def _force_error(request: MotionRequest, motion: Motion, fists: list[tuple[pin.SE3, pin.SE3]]) -> float:
+def _force_error(request: MotionRequest, motion: Motion, hand_poses: list[tuple[pin.SE3, pin.SE3]]) -> float:
     """How far the stored forces on the hands are from those the action prescribes."""
     prescribed = np.zeros_like(motion.hand_force_n)
     for planned in forces_of(request.action, len(prescribed), motion.time_step_s):
-        place = SIDES.index(planned.hand)
+        hand = SIDES.index(planned.hand)
         for tick, force in enumerate(planned.force_n):
-            turned = fists[tick][place].rotation @ force if planned.in_hand_axes else force
-            prescribed[tick, 3 * place : 3 * place + 3] += turned
+            turned = hand_poses[tick][hand].rotation @ force if planned.in_hand_axes else force
+            prescribed[tick, 3 * hand : 3 * hand + 3] += turned
     return float(np.abs(motion.hand_force_n - prescribed).max())
 
 

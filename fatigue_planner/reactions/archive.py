@@ -1,6 +1,6 @@
-"""Reactions on their way to another machine: a ZIP file, not compressed, of entries of the cache.
+"""An archive of reactions for another machine: a ZIP file, not compressed, of entries of the cache.
 
-Nothing in a bundle is believed: it is read from the front, entry by entry, sizes are checked before anything is read,
+Nothing in an archive is believed: it is read from the front, entry by entry, sizes are checked before anything is read,
 names are only compared, and every reaction is checked like one that was just simulated.
 """
 
@@ -21,7 +21,7 @@ from fatigue_planner.reactions.verify import faults_of
 MAX_ENTRIES = 100_000
 # The same bytes whenever and wherever it is made.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
-# What stands before an entry: mark, version, flags, method, time, date, CRC, stored and true size, length of the name
+# The header of an entry: mark, version, flags, method, time, date, CRC, stored and true size, length of the name
 # and of further fields, which none of ours has.
 _HEADER = struct.Struct("<4s5H3I2H")
 _ENTRY_MARK, _END_MARKS = b"PK\3\4", (b"PK\1\2", b"PK\5\6")
@@ -29,7 +29,7 @@ _ENTRY_MARK, _END_MARKS = b"PK\3\4", (b"PK\1\2", b"PK\5\6")
 
 @dataclass(frozen=True)
 class Imported:
-    """What became of an entry of a bundle: where it is, and whether it is new there; or why it was refused."""
+    """What became of an entry of an archive: where it is, and whether it is new there; or why it was refused."""
 
     member: str
     path: Path | None = None
@@ -37,65 +37,65 @@ class Imported:
     refused: str = ""
 
 
-def export_archive(cache: ReactionCache, requests: Sequence[ReactionRequest], bundle: Path, how: str) -> int:
-    """Publish a bundle of reactions, every one read and checked before; how many there are in it.
+def export_archive(cache: ReactionCache, requests: Sequence[ReactionRequest], path: Path, how: str) -> int:
+    """Publish an archive of reactions, each read and checked before; returns how many it holds.
 
-    Raises as `ReactionCache.stream`, or OutputFolderError if the bundle cannot be written.
+    Raises as `ReactionCache.stream`, or OutputFolderError if the archive cannot be written.
     """
-    unique = sorted({one.digest: one for one in requests}.values(), key=lambda one: one.name)
+    unique = sorted({request.digest: request for request in requests}.values(), key=lambda request: request.name)
 
     def write(temporary: Path) -> None:
         with zipfile.ZipFile(temporary, "w") as archive:
-            for reaction in cache.stream(unique, how):
+            for reaction in cache.stored(unique, how):
                 name = file_name(reaction.name, reaction.digest)
                 archive.writestr(zipfile.ZipInfo(name, _EPOCH), entry_bytes(reaction))
 
-    publish(bundle, write)
+    publish(path, write)
     return len(unique)
 
 
-def import_archive(bundle: Path, cache: ReactionCache) -> Iterator[Imported]:
-    """Check every entry of a bundle and take the good ones into the cache, one by one.
+def import_archive(path: Path, cache: ReactionCache) -> Iterator[Imported]:
+    """Check every entry of an archive and take the good ones into the cache, one by one.
 
-    A damaged file in the place of a good one is set aside (see `ReactionCache.damaged`).
-    Raises ArchiveError if the file is no bundle, OutputFolderError if the cache cannot be written.
+    A damaged file under the name of a good one is set aside (see `ReactionCache.damaged`).
+    Raises ArchiveError if the file is not an archive, OutputFolderError if the cache cannot be written.
     """
-    for member, content in _entries(bundle):
+    for member, content in _entries(path):
         yield _take(member, content, cache)
 
 
-def _entries(bundle: Path) -> Iterator[tuple[str, bytes]]:
+def _entries(path: Path) -> Iterator[tuple[str, bytes]]:
     """Name and content of every entry, from the front to the list of contents, which is not read."""
     try:
-        if not bundle.is_file() and bundle.exists():
-            raise ArchiveError(f"{bundle}: is not a file.")
-        with bundle.open("rb") as file:
+        if not path.is_file() and path.exists():
+            raise ArchiveError(f"{path}: is not a file.")
+        with path.open("rb") as file:
             for _ in range(MAX_ENTRIES):
-                entry = _next_entry(bundle, file)
+                entry = _next_entry(path, file)
                 if entry is None:
                     return
                 yield entry
-            if _next_entry(bundle, file) is not None:
-                raise ArchiveError(f"{bundle}: has more than {MAX_ENTRIES} entries; none of ours has.")
+            if _next_entry(path, file) is not None:
+                raise ArchiveError(f"{path}: has more than {MAX_ENTRIES} entries; none of ours has.")
     except OSError as error:
-        raise ArchiveError(f"{bundle}: cannot be read ({error.strerror}).") from error
+        raise ArchiveError(f"{path}: cannot be read ({error.strerror}).") from error
 
 
-def _next_entry(bundle: Path, file: BinaryIO) -> tuple[str, bytes] | None:
+def _next_entry(path: Path, file: BinaryIO) -> tuple[str, bytes] | None:
     start = file.read(_HEADER.size)
     if start[:4] in _END_MARKS:
         return None
     if start[:4] != _ENTRY_MARK or len(start) < _HEADER.size:
-        raise ArchiveError(f"{bundle}: is no bundle of reactions, or was cut off.")
+        raise ArchiveError(f"{path}: is not an archive of reactions, or was cut off.")
     _, _, flags, method, _, _, _, stored, size, name_length, further = _HEADER.unpack(start)
     name = file.read(name_length).decode(errors="backslashreplace")
     if flags or method != zipfile.ZIP_STORED or stored != size or further:
-        raise ArchiveError(f"{bundle}: {name!r} is not stored as `fatplan cache export` does: plainly.")
+        raise ArchiveError(f"{path}: {name!r} is not stored as `fatplan cache export` does: plainly.")
     if size > MAX_BYTES:
-        raise ArchiveError(f"{bundle}: {name!r} has {size} bytes; none of ours has more than {MAX_BYTES}.")
+        raise ArchiveError(f"{path}: {name!r} has {size} bytes; none of ours has more than {MAX_BYTES}.")
     content = file.read(size)
     if len(content) < size:
-        raise ArchiveError(f"{bundle}: was cut off in {name!r}.")
+        raise ArchiveError(f"{path}: was cut off in {name!r}.")
     return name, content
 
 

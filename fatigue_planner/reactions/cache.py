@@ -1,16 +1,19 @@
 """The folder of reactions: find what is there, simulate what is missing.
 
-Every reaction has a file of its own, called after its digest (see `reaction.file_name`), which is found whatever
+Every reaction has a file of its own, named after its digest (see `reaction.file_name`), which is found whatever
 experiment it was made for. It is written by the process that asked for it, whole or not at all. Files of others are
-left alone.
+left alone. A reaction that cannot be performed is a result like any other, and kept with its reason; whether a motion
+is accurate enough is decided when it is read, by the accuracy of whoever asks.
 """
 
 import os
 import re
 import stat
 from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from fatigue_planner.core.errors import (
     DamagedFileError,
@@ -21,18 +24,24 @@ from fatigue_planner.core.errors import (
 )
 from fatigue_planner.core.executors.executor import Executor, Lost
 from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import ROWS, Motion
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
-from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, entry_bytes, has_valid_checksum, read_entry
-from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, file_name
+from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, MAX_MAGNITUDE, entry_bytes, has_valid_checksum, read_entry
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, file_name
 
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one request: the verdict on it, whether it was found, and why it failed if it did."""
+    """What became of one request: the verdict on it, and why it failed if it did.
+
+    found: it was in the cache already; kept: it is there now, which it is unless its simulation itself broke off.
+    quality: of the motion, None if there is none.
+    """
 
     name: ReactionName
     digest: str
@@ -40,18 +49,15 @@ class Outcome:
     found: bool
     quality: Quality | None = None
     failure: str = ""
+    kept: bool = True
 
 
 class ReactionCache:
-    """The reactions in one folder.
-
-    damaged: messages about files that were set aside; lost: about reactions whose simulation killed its workers.
-    """
+    """The reactions in one folder; `damaged`: messages about files that were set aside."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.damaged: list[str] = []
-        self.lost: list[str] = []
 
     def files(self) -> list[Path]:
         """All entries, in the order of their names."""
@@ -62,11 +68,11 @@ class ReactionCache:
         """Where a reaction is published."""
         return self.folder / file_name(request.name, request.digest)
 
-    def read(self, path: Path) -> Reaction:
+    def read(self, path: Path) -> Reaction | FailedReaction:
         """The reaction in a file of the folder.
 
-        Raises OtherVersionError for a file of another format, DamagedFileError if it is damaged or stands under the
-        name of another one.
+        Raises OtherVersionError for a file of another format, DamagedFileError if it is damaged or has the name of
+        another one.
         """
         reaction = read_entry(read_content(path), str(path))
         if not path.stem.endswith(f"-{reaction.digest[:DIGEST_LENGTH]}"):
@@ -77,34 +83,34 @@ class ReactionCache:
 
     def stream(
         self, requests: Sequence[ReactionRequest], how: str, chosen: Container[ReactionName] | None = None
-    ) -> Iterator[Reaction]:
-        """The reactions one by one, all or those chosen, in the order of the requests.
+    ) -> Iterator[Reaction | FailedReaction]:
+        """The reactions one by one, all or those chosen, in the order of the requests, by the accuracy of each.
 
         `how` is the command that makes them, for the message. Raises MissingReactionsError if some are not there,
         before any is read; DamagedFileError for one that is not what was written.
         """
         wanted = [request for request in requests if chosen is None or request.name in chosen]
-        for request, path in zip(wanted, self.paths(wanted, how), strict=True):
+        for request, stored in zip(wanted, self.stored(wanted, how), strict=True):
+            yield request.judged(stored)
+
+    def stored(self, requests: Sequence[ReactionRequest], how: str) -> Iterator[Reaction | FailedReaction]:
+        """As `stream`, but as they are stored, whatever the accuracy."""
+        for request, path in zip(requests, self.paths(requests, how), strict=True):
             try:
-                reaction = self._read_for(request, path)
+                yield self._read_for(request, path)
             except (DamagedFileError, OtherVersionError) as error:
                 raise DamagedFileError(f"{error} Run `{how}`: it sets the file aside and simulates again.") from error
-            yield replace(reaction, name=request.name)
 
     def paths(self, requests: Sequence[ReactionRequest], how: str) -> list[Path]:
-        """Where these reactions are, by their names' digests. Raises MissingReactionsError as `stream`."""
-        places = self._places()
-        missing = [str(request.name) for request in requests if request.digest[:DIGEST_LENGTH] not in places]
+        """The files of these reactions, found by digest. Raises MissingReactionsError as `stream`."""
+        files = self._files_by_digest()
+        missing = [str(request.name) for request in requests if request.digest[:DIGEST_LENGTH] not in files]
         if missing:
             raise MissingReactionsError(
                 f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {listed(missing)}. Run "
                 f"`{how}` first. If they were there once, `fatplan cache why EXPERIMENT` says what has changed."
             )
-        return [places[request.digest[:DIGEST_LENGTH]][0] for request in requests]
-
-    def load(self, requests: Sequence[ReactionRequest], how: str) -> tuple[Reaction, ...]:
-        """All of these reactions at once; see `stream`."""
-        return tuple(self.stream(requests, how))
+        return [files[request.digest[:DIGEST_LENGTH]][0] for request in requests]
 
     def complete(
         self, requests: Sequence[ReactionRequest], executor: Executor, progress: Callable[[Outcome], None]
@@ -115,39 +121,42 @@ class ReactionCache:
         simulated again. Raises OutputFolderError if the folder cannot be written.
         """
         by_digest = {request.digest: request for request in requests}
-        places = self._places()
-        outcomes: dict[str, Outcome] = {}
+        files = self._files_by_digest()
+        results: dict[str, Result] = {}
         for digest, request in by_digest.items():
-            reaction = self._find(places.get(digest[:DIGEST_LENGTH], []), request)
-            if reaction is not None:
-                quality = reaction.quality
-                outcomes[digest] = Outcome(reaction.name, digest, quality.kept_as(), True, quality)
-                progress(outcomes[digest])
-        missing = [request for digest, request in by_digest.items() if digest not in outcomes]
+            stored = self._find(files.get(digest[:DIGEST_LENGTH], []), request)
+            if stored is not None:
+                results[digest] = Result(
+                    quality=stored.quality if isinstance(stored, Reaction) else None,
+                    failure=stored.reason if isinstance(stored, FailedReaction) else "",
+                    found=True,
+                )
+                progress(results[digest].outcome(request))
+        missing = [request for digest, request in by_digest.items() if digest not in results]
         if missing:
             writable_folder(self.folder)
-        for place, made in executor.run(simulated, missing):
-            request = missing[place]
+        for index, made in executor.run(simulated, missing):
+            request = missing[index]
             if isinstance(made, Lost):
-                self.lost.append(f"{request.name}: {made.reason}")
-                made = Made(Outcome(request.name, request.digest, "failed", False, failure=made.reason))  # noqa: PLW2901
-            elif made.content is not None:
-                if not has_valid_checksum(made.content):
+                result = Result(failure=made.reason, kept=False)
+            else:
+                result, content = made
+                if not has_valid_checksum(content):
                     raise DamagedFileError(f"{request.name}: was damaged on its way from the worker. Run again.")
-                publish_bytes(self.path(request), made.content)
-            outcomes[request.digest] = made.outcome
-            progress(made.outcome)
-        return [replace(outcomes[request.digest], name=request.name) for request in requests]
+                publish_bytes(self.path(request), content)
+            results[request.digest] = result
+            progress(result.outcome(request))
+        return [results[request.digest].outcome(request) for request in requests]
 
-    def _places(self) -> dict[str, list[Path]]:
-        """Where reactions are, by the beginning of their digest; several names of one are possible."""
-        places: dict[str, list[Path]] = {}
+    def _files_by_digest(self) -> dict[str, list[Path]]:
+        """The files by the beginning of the digest in their names; several may have the same."""
+        files: dict[str, list[Path]] = {}
         for path in self.files():
-            places.setdefault(path.stem[-DIGEST_LENGTH:], []).append(path)
-        return places
+            files.setdefault(path.stem[-DIGEST_LENGTH:], []).append(path)
+        return files
 
-    def _find(self, paths: Sequence[Path], request: ReactionRequest) -> Reaction | None:
-        """The first whole reaction in some files; the others before it are set aside."""
+    def _find(self, paths: Sequence[Path], request: ReactionRequest) -> Reaction | FailedReaction | None:
+        """The first undamaged reaction in some files; damaged ones before it are set aside."""
         for path in paths:
             try:
                 return self._read_for(request, path)
@@ -156,44 +165,61 @@ class ReactionCache:
                 self.damaged.append(f"{error} It is set aside as {aside.name}; what it held is simulated again.")
         return None
 
-    def _read_for(self, request: ReactionRequest, path: Path) -> Reaction:
+    def _read_for(self, request: ReactionRequest, path: Path) -> Reaction | FailedReaction:
         """As `read`, and the reaction is what was asked for, of the length its settings say."""
-        reaction = self.read(path)
-        if reaction.digest != request.digest:
+        stored = self.read(path)
+        if stored.digest != request.digest:
             raise DamagedFileError(f"{path}: holds another reaction than its name says.")
-        try:
-            check_shape(request.motion, reaction.motion)
-        except MismatchError as error:
-            raise DamagedFileError(f"{path}: {error}.") from error
-        return reaction
+        if isinstance(stored, Reaction):
+            try:
+                check_shape(request.motion, stored.motion)
+            except MismatchError as error:
+                raise DamagedFileError(f"{path}: {error}.") from error
+        return stored
 
 
 @dataclass(frozen=True)
-class Made:
-    """What a simulation leaves: its outcome and, if it is good, the content of its file."""
+class Result:
+    """What is known of a reaction whatever the accuracy: the quality of its motion, or why there is none."""
 
-    outcome: Outcome
-    content: bytes | None = None
+    quality: Quality | None = None
+    failure: str = ""
+    found: bool = False
+    kept: bool = True
+
+    def outcome(self, request: ReactionRequest) -> Outcome:
+        """What it means for a request."""
+        verdict: Verdict = "failed"
+        failure = self.failure
+        if self.quality is not None:
+            verdict, failure = self.quality.verdict(request.accuracy), "; ".join(self.quality.faults(request.accuracy))
+        return Outcome(request.name, request.digest, verdict, self.found, self.quality, failure, self.kept)
 
 
-def simulated(request: ReactionRequest) -> Made:
-    """Simulate a reaction and check it."""
+def simulated(request: ReactionRequest) -> tuple[Result, bytes]:
+    """Simulate a reaction and measure it; the result and the content of its file."""
+    made = simulate_and_measure(request.motion)
+    if isinstance(made, str):
+        return Result(failure=made), entry_bytes(FailedReaction(request.name, request.key, made))
+    motion, quality = made
+    return Result(quality), entry_bytes(Reaction(request.name, request.key, motion, quality))
+
+
+def simulate_and_measure(request: MotionRequest) -> tuple[Motion, Quality] | str:
+    """A motion and its quality, or why it cannot be performed."""
     try:
-        motion = simulate(request.motion)
+        motion = simulate(request)
     except FailedMotionError as error:
-        return Made(Outcome(request.name, request.digest, "failed", False, failure=str(error)))
-    quality = measure(request.motion, motion)
-    faults = quality.faults(request.accuracy)
-    if faults:
-        return Made(Outcome(request.name, request.digest, "failed", False, quality, "; ".join(faults)))
-    outcome = Outcome(request.name, request.digest, quality.kept_as(), False, quality)
-    return Made(outcome, entry_bytes(Reaction(request.name, request.key, motion, quality)))
+        return str(error)
+    if not all((np.abs(getattr(motion, name)) < MAX_MAGNITUDE).all() for name in ROWS):
+        return f"the motion has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}"
+    return motion, measure(request, motion)
 
 
 def read_content(path: Path) -> bytes:
     """The bytes of a file that may be one of ours. Raises DamagedFileError if it cannot be."""
     try:
-        # a pipe is opened, too, without waiting for somebody to write to it
+        # opens a pipe, too, without waiting for somebody to write to it
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         try:
             status = os.fstat(descriptor)

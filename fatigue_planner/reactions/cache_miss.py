@@ -1,11 +1,12 @@
-"""Why a reaction is not found: which part of its key is another one than that of the nearest there is."""
+"""Why a reaction is not found: which parts of its key differ from the nearest stored one."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fatigue_planner.reactions.reaction import ReactionKey, ReactionName, ReactionRequest
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest
 
 
 @dataclass(frozen=True)
@@ -36,12 +37,12 @@ class Miss:
 
 
 def explain(request: ReactionRequest, stored: Sequence[Stored]) -> Miss:
-    """Compare a request's key with the nearest: the one of the same name, if any, with the fewest parts that differ."""
-    same_name = [one for one in stored if one.name == request.name]
-    candidates = [(one, tuple(differences(request.key, one.key))) for one in same_name or stored]
+    """Compare a request's key with the nearest: of the same name, if any, with the fewest parts that differ."""
+    same_name = [entry for entry in stored if entry.name == request.name]
+    candidates = [(entry, tuple(differences(request.key, entry.key))) for entry in same_name or stored]
     if not candidates:
         return Miss(request.name, None)
-    nearest, found = min(candidates, key=lambda one: (len(one[1]), one[0].path.name))
+    nearest, found = min(candidates, key=lambda candidate: (len(candidate[1]), candidate[0].path.name))
     return Miss(request.name, nearest, found)
 
 
@@ -62,7 +63,7 @@ def _different(path: str, wanted: Any, stored: Any) -> Iterator[Difference]:
         for key in sorted({*wanted, *stored}):
             yield from _different(f"{path}.{key}" if path else str(key), wanted.get(key), stored.get(key))
     elif isinstance(wanted, list) and isinstance(stored, list) and len(wanted) == len(stored):
-        for place, (one, other) in enumerate(zip(wanted, stored, strict=True)):
-            yield from _different(f"{path}.{place}", one, other)
+        for index, (ours, theirs) in enumerate(zip(wanted, stored, strict=True)):
+            yield from _different(f"{path}.{index}", ours, theirs)
     elif wanted != stored:
         yield Difference(path, wanted, stored)

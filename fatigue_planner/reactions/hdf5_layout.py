@@ -1,17 +1,18 @@
-"""An entry of the cache: one self-describing HDF5 file with one reaction, sealed (see `seal`).
+"""The layout of an entry of the cache: one self-describing HDF5 file with one reaction, after its checksum.
 
-attributes                  format, format_version, degrees_of_freedom
+format, format_version      "fatplan reaction", or "fatplan failed reaction" for one that cannot be performed
 key                         JSON: settings, sources, versions; its SHA-256 is the reaction's digest (`ReactionKey`)
 name                        worker, action, preference
-quality                     JSON: the checks the motion has passed (`Quality`)
+reason                      of a failed reaction: why it cannot be performed; it has none of the following
+quality                     JSON: what was measured of the motion (`Quality`)
 time_step_s
 phases, phase_ticks         names; first and last + 1 tick
 torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2
                             one row per tick; attributes `units` and `columns`
 content_sha256              of all of the above
 
-What is not written by this program may be in it, too, but is never looked at. Nothing in a file is believed: it is read
-by a process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
+A file may hold more than this program writes, which is never looked at. Nothing in a file is believed: it is read by a
+process of its own, and its texts must be, to the letter, what this program writes, so that they can be shown.
 """
 
 import hashlib
@@ -27,22 +28,27 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
-from fatigue_planner.core.files import canonical_json
+from fatigue_planner.core.files import canonical_json, digest_of
 from fatigue_planner.human.model import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MAX_TICKS, PHASES
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
 from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
 
 T = TypeVar("T")
 
-# How an HDF5 file begins that leaves no room for a seal.
+# What a file of ours begins with: the SHA-256 of all that follows.
+CHECKSUM_BYTES = 512
+_CHECKSUM_MARK = b"fatplan sha256 "
+# How an HDF5 file begins that has no checksum before it.
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
-FORMAT_VERSION = 3  # to be raised when Motion, Quality or the layout above change
+FAILED_FORMAT = "fatplan failed reaction"
+FORMAT_VERSION = 4  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -61,7 +67,8 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MAX_TEXT = 1_000_000
-LARGEST = 1e50  # of a number in a file; the squares of what is smaller are finite, too
+MAX_REASON = 10_000  # characters
+MAX_MAGNITUDE = 1e50  # of a number in a file; the squares of what is smaller are finite, too
 MAX_BYTES = MAX_TICKS * _ROW_BYTES + 4 * MAX_TEXT
 
 _TEXT: dict[str, tuple[str, tuple[int | None, ...]]] = {"key": ("S", ()), "name": ("S", (3,))}
@@ -78,54 +85,65 @@ LAYOUT = Layout(
     most_rows=MAX_TICKS,
     most_text=MAX_TEXT,
 )
+_FAILED_LAYOUT = Layout({**_TEXT, "reason": ("S", ()), "content_sha256": ("S", ())}, most_rows=0, most_text=MAX_TEXT)
 _KEY_LAYOUT = Layout(_TEXT, most_rows=0, most_text=MAX_TEXT)
 HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most_rows=0, most_text=100)
-# What a key or a name that is none raises.
+# What an invalid key or name raises.
 _UNREADABLE = (ValueError, TypeError, RecursionError)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}")
 _QUALITY = TypeAdapter(Quality)
 _KEY_PARTS = {part.name for part in fields(ReactionKey)}
 
 
-def entry_bytes(reaction: Reaction) -> bytes:
+def entry_bytes(reaction: Reaction | FailedReaction) -> bytes:
     """The content of the file of a reaction, the same for the same reaction."""
-    content, motion = io.BytesIO(), reaction.motion
+    content = io.BytesIO()
     with h5py.File(content, "w", track_order=False, userblock_size=CHECKSUM_BYTES) as file:
-        file["format"] = np.bytes_(FORMAT)
+        file["format"] = np.bytes_(FORMAT if isinstance(reaction, Reaction) else FAILED_FORMAT)
         file["format_version"] = FORMAT_VERSION
         file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
         file["name"] = np.array(reaction.name, dtype=np.bytes_)
-        file["quality"] = np.bytes_(canonical_json(asdict(reaction.quality)).encode())
-        file["time_step_s"] = motion.time_step_s
-        file["phases"] = np.array([phase.name for phase in motion.phases], dtype=np.bytes_)
-        file["phase_ticks"] = np.array([[phase.start, phase.stop] for phase in motion.phases], dtype="<i8")
         file["content_sha256"] = np.bytes_(_content_sha256(reaction))
-        for name, (_, units, columns) in ARRAYS.items():
-            data = file.create_dataset(
-                name, data=getattr(motion, name), compression="gzip", compression_opts=1, shuffle=True, fletcher32=True
-            )
-            data.attrs["units"] = units
-            data.attrs["columns"] = columns
-            file.flush()  # else where it stands in the file depends on when Python lets go of it
-    return sealed(content.getvalue())
+        if isinstance(reaction, Reaction):
+            _write_motion(file, reaction)
+        else:
+            file["reason"] = np.bytes_(reaction.reason.encode())
+    return with_checksum(content.getvalue())
 
 
-def read_entry(content: bytes, source: str) -> Reaction:
+def _write_motion(file: h5py.File, reaction: Reaction) -> None:
+    motion = reaction.motion
+    file["quality"] = np.bytes_(canonical_json(asdict(reaction.quality)).encode())
+    file["time_step_s"] = motion.time_step_s
+    file["phases"] = np.array([phase.name for phase in motion.phases], dtype=np.bytes_)
+    file["phase_ticks"] = np.array([[phase.start, phase.stop] for phase in motion.phases], dtype="<i8")
+    for name, (_, units, columns) in ARRAYS.items():
+        data = file.create_dataset(
+            name, data=getattr(motion, name), compression="gzip", compression_opts=1, shuffle=True, fletcher32=True
+        )
+        data.attrs["units"] = units
+        data.attrs["columns"] = columns
+        file.flush()  # otherwise its position in the file depends on when Python frees the data set
+
+
+def read_entry(content: bytes, source: str) -> Reaction | FailedReaction:
     """The reaction in the content of a file, checked; `source` is how messages call it.
 
     Raises OtherVersionError for a file of another format, DamagedFileError if it is not, to the bit, what was written,
     or not a reaction that could have been.
     """
+    if _checked_format(content, source) == FAILED_FORMAT:
+        return _parsed(content, source, _FAILED_LAYOUT, lambda found: _failed_reaction(found, source))
     return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source))
 
 
 def read_key(content: bytes, source: str) -> tuple[ReactionName, ReactionKey]:
     """Name and key of the reaction in the content of a file. Raises as `read_entry`."""
+    _checked_format(content, source)
     return _parsed(content, source, _KEY_LAYOUT, lambda found: (_name(found["name"]), _key(found["key"])))
 
 
 def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[str, Array]], T]) -> T:
-    _check_format(content, source)
     try:
         return parse(read_hdf5(content, layout))
     except UnreadableError as error:
@@ -134,26 +152,29 @@ def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[s
         raise DamagedFileError(f"{source}: is not one of our reactions ({error}).") from error
 
 
-def _check_format(content: bytes, source: str) -> None:
+def _checked_format(content: bytes, source: str) -> str:
+    """Which of both formats it is."""
     if content.startswith(HDF5_MARK):
-        raise OtherVersionError(f"{source}: has no seal; it is an earlier version's, or not fatplan's.")
+        raise OtherVersionError(f"{source}: has no checksum; it is an earlier version's, or not fatplan's.")
     if not has_valid_checksum(content):
         raise DamagedFileError(f"{source}: does not match its hash; it was altered or damaged.")
     try:
         head = read_hdf5(content, HEAD)
     except UnreadableError as error:
         raise DamagedFileError(f"{source}: {error}.") from error
-    if head["format"].item() != FORMAT.encode():
+    kind = {name.encode(): name for name in (FORMAT, FAILED_FORMAT)}.get(head["format"].item())
+    if kind is None:
         raise DamagedFileError(f"{source}: is not a {FORMAT}.")
     if int(head["format_version"]) != FORMAT_VERSION:
         found = int(head["format_version"])
         raise OtherVersionError(f"{source}: has format {found}; this version reads {FORMAT_VERSION}.")
+    return kind
 
 
 def _reaction(found: dict[str, Array], source: str) -> Reaction:
-    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < LARGEST).all()]
+    wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < MAX_MAGNITUDE).all()]
     if wrong:
-        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {LARGEST:.0e}")
+        raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}")
     reaction = Reaction(
         name=_name(found["name"]),
         key=_key(found["key"]),
@@ -164,9 +185,22 @@ def _reaction(found: dict[str, Array], source: str) -> Reaction:
         ),
         quality=_quality(found["quality"]),
     )
-    if _content_sha256(reaction).encode() != found["content_sha256"].item():
-        raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
+    _check_content(reaction, found["content_sha256"], source)
     return reaction
+
+
+def _failed_reaction(found: dict[str, Array], source: str) -> FailedReaction:
+    reason = found["reason"].item().decode()
+    if not reason.isprintable() or not 0 < len(reason) <= MAX_REASON:
+        raise ValueError("its reason is not as this program writes it")
+    reaction = FailedReaction(_name(found["name"]), _key(found["key"]), reason)
+    _check_content(reaction, found["content_sha256"], source)
+    return reaction
+
+
+def _check_content(reaction: Reaction | FailedReaction, sha256: Array, source: str) -> None:
+    if _content_sha256(reaction).encode() != sha256.item():
+        raise DamagedFileError(f"{source}: its numbers do not match their hash; they were altered or damaged.")
 
 
 def _time_step(found: Array) -> float:
@@ -198,7 +232,7 @@ def _key(found: Array) -> ReactionKey:
     if canonical_json(parts) != text or not text.isprintable() or "\\" in text:
         raise ValueError("its key is not as this program writes it")
     if set(parts) != _KEY_PARTS or not all(isinstance(part, dict) for part in parts.values()):
-        raise ValueError("its key is none")
+        raise ValueError("its key is not that of a reaction")
     return ReactionKey(**parts)
 
 
@@ -211,12 +245,14 @@ def _quality(found: Array) -> Quality:
     if canonical_json(asdict(quality)).encode() != found.item():
         raise ValueError("its quality is not as this program writes it")
     if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
-        raise ValueError("its quality names a joint that is none")
+        raise ValueError("its quality names an unknown joint")
     return quality
 
 
-def _content_sha256(reaction: Reaction) -> str:
-    """SHA-256 over key, name, quality and arrays of a reaction."""
+def _content_sha256(reaction: Reaction | FailedReaction) -> str:
+    """SHA-256 over key, name, quality and arrays of a reaction, or its reason if it failed."""
+    if isinstance(reaction, FailedReaction):
+        return digest_of([reaction.key.plain(), reaction.name, reaction.reason])
     motion = reaction.motion
     head = [reaction.key.plain(), reaction.name, asdict(reaction.quality), motion.time_step_s, motion.phases]
     digest = hashlib.sha256(canonical_json(head).encode())
@@ -226,20 +262,16 @@ def _content_sha256(reaction: Reaction) -> str:
     return digest.hexdigest()
 
 
-CHECKSUM_BYTES = 512
-_MARK = b"fatplan sha256 "
-
-
-def sealed(content: bytes) -> bytes:
-    """A content that begins with CHECKSUM_BYTES free bytes, with its seal in them."""
-    return _seal(content) + content[CHECKSUM_BYTES:]
+def with_checksum(content: bytes) -> bytes:
+    """A content that begins with CHECKSUM_BYTES free bytes, with its checksum in them."""
+    return _checksum(content) + content[CHECKSUM_BYTES:]
 
 
 def has_valid_checksum(content: bytes) -> bool:
-    """Whether a content is, to the bit, what was sealed."""
-    return len(content) > CHECKSUM_BYTES and content[:CHECKSUM_BYTES] == _seal(content)
+    """Whether a content is, to the bit, what its checksum was made of."""
+    return len(content) > CHECKSUM_BYTES and content[:CHECKSUM_BYTES] == _checksum(content)
 
 
-def _seal(content: bytes) -> bytes:
+def _checksum(content: bytes) -> bytes:
     digest = hashlib.sha256(memoryview(content)[CHECKSUM_BYTES:]).hexdigest()
-    return (_MARK + digest.encode() + b"\n").ljust(CHECKSUM_BYTES, b"\0")
+    return (_CHECKSUM_MARK + digest.encode() + b"\n").ljust(CHECKSUM_BYTES, b"\0")

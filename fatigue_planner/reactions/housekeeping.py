@@ -1,4 +1,4 @@
-"""What in the cache's folder no run of this program will ever read again."""
+"""Files in the cache's folder that this program will never read again."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ def contents(cache: ReactionCache, progress: Callable[[], None] = lambda: None) 
 
 def useless(cache: ReactionCache, found: Contents) -> list[Useless]:
     """Files that this program has made and will not read again; damaged ones are left to `simulate`, which says so."""
-    reasons = {one.path: "made by other sources or libraries" for one in found.other}
+    reasons = {entry.path: "made by other sources or libraries" for entry in found.other}
     reasons |= {path: "of another format" for path, _ in found.unreadable}
     reasons |= dict.fromkeys(cache.folder.glob("*.damaged-*"), "was set aside as damaged")
     reasons |= dict.fromkeys(left_behind(cache.folder), "left behind by a run that was killed")

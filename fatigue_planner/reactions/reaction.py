@@ -1,29 +1,24 @@
 """A postural reaction: what a worker does for an action with a preference, and what it costs."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.files import DIGEST_LENGTH, digest_of, digests_of_package
-from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.human.model import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Accuracy
+from fatigue_planner.reactions.key import ReactionKey
 
 if TYPE_CHECKING:
     import pandas as pd
-
-# What produces the numbers of a motion besides its settings: folders and modules of this package.
-SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
-# The QP solvers come with casadi.
-NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
 
 
 class ReactionName(NamedTuple):
@@ -38,67 +33,8 @@ class ReactionName(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ReactionKey:
-    """Everything that decides a reaction.
-
-    settings: of the motion, as plain data, strengths written out; sources: SHA-256 of every file of this package that
-    produces it; versions: of the numerical libraries, solvers included.
-    """
-
-    settings: Mapping[str, Any]
-    sources: Mapping[str, str]
-    versions: Mapping[str, str]
-
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of all of it, in hex."""
-        return digest_of(self.plain())
-
-    @property
-    def is_current(self) -> bool:
-        """Whether this program, with these libraries, would make such a reaction."""
-        return (self.sources, self.versions) == (sources(), versions())
-
-    def plain(self) -> dict[str, Any]:
-        """The key as JSON values."""
-        return {"settings": self.settings, "sources": self.sources, "versions": self.versions}
-
-
-@dataclass(frozen=True)
-class ReactionRequest:
-    """A reaction to be found in the cache or simulated."""
-
-    name: ReactionName
-    motion: MotionRequest
-    accuracy: Accuracy
-
-    @cached_property
-    def key(self) -> ReactionKey:
-        """What decides the reaction."""
-        # the name of a strength set, or the path of its file, decides nothing; its values are there
-        worker = self.motion.worker.model_copy(update={"strength": "see maximum_torque"})
-        parts = vars(self.motion) | {"worker": worker, "accuracy": self.accuracy}
-        return ReactionKey({name: part.plain() for name, part in parts.items()}, sources(), versions())
-
-    @property
-    def digest(self) -> str:
-        """Digest of the key."""
-        return self.key.digest
-
-
-def request_of(name: ReactionName, settings: Mapping[str, Any]) -> ReactionRequest:
-    """The request a reaction was made for, from its settings as plain data.
-
-    Raises ValueError or KeyError if these are not the settings of a reaction of this version.
-    """
-    kinds = {field.name: field.type for field in fields(MotionRequest)}
-    parts = {part: kind.model_validate(settings[part]) for part, kind in kinds.items()}  # type: ignore[union-attr]
-    return ReactionRequest(name, MotionRequest(**parts), Accuracy.model_validate(settings["accuracy"]))
-
-
-@dataclass(frozen=True)
 class Reaction:
-    """A reaction whose motion has passed its checks, under the name for which it was made.
+    """A reaction whose motion could be simulated, under the name for which it was made.
 
     >>> reaction = reactions["average_man/high/arm"]
     >>> isinstance(reaction, fp.Reaction), reaction.angles_rad().shape
@@ -130,6 +66,47 @@ class Reaction:
         return pd.DataFrame(table, columns=list(DEGREES_OF_FREEDOM), index=pd.Index(times_s, name="time_s"))
 
 
+@dataclass(frozen=True)
+class FailedReaction:
+    """A reaction that cannot be performed, or not accurately enough, and why."""
+
+    name: ReactionName
+    key: ReactionKey
+    reason: str
+
+    @property
+    def digest(self) -> str:
+        """Digest of the key."""
+        return self.key.digest
+
+
+@dataclass(frozen=True)
+class ReactionRequest:
+    """A reaction to be found in the cache or simulated, and the accuracy with which it may be used."""
+
+    name: ReactionName
+    motion: MotionRequest
+    accuracy: Accuracy
+
+    @cached_property
+    def key(self) -> ReactionKey:
+        """What decides the reaction."""
+        return ReactionKey.of(self.motion)
+
+    @property
+    def digest(self) -> str:
+        """Digest of the key."""
+        return self.key.digest
+
+    def judged(self, stored: Reaction | FailedReaction) -> Reaction | FailedReaction:
+        """A stored reaction under the name of the request; failed if its motion misses the accuracy."""
+        if isinstance(stored, Reaction):
+            faults = stored.quality.faults(self.accuracy)
+            if faults:
+                return FailedReaction(self.name, stored.key, "; ".join(faults))
+        return replace(stored, name=self.name)
+
+
 def file_name(name: ReactionName, digest: str) -> str:
     """How the file of a reaction is called; only the digest counts, the rest is for people."""
     return f"{'-'.join(name)}-{digest[:DIGEST_LENGTH]}.h5"
@@ -138,13 +115,3 @@ def file_name(name: ReactionName, digest: str) -> str:
 def digests(requests: Iterable[ReactionRequest]) -> dict[str, str]:
     """The digest of every reaction, by name."""
     return {str(request.name): request.digest for request in requests}
-
-
-def sources() -> dict[str, str]:
-    """SHA-256 of every file of this package that decides the numbers of a motion."""
-    return digests_of_package(*SOURCES)
-
-
-def versions() -> dict[str, str]:
-    """Versions of the libraries that decide the numbers of a motion."""
-    return versions_of(*NUMERICAL_LIBRARIES)

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from fatigue_planner.core.errors import ReaderError
 
 SCRIPT = Path(__file__).with_name("sandboxed_reader.py")
-# Of the reading process's computing, so that neither a busy machine nor a stopped program makes a file unreadable.
+# CPU time of the reading process, so that neither a busy machine nor a stopped program makes a file unreadable.
 MAX_SECONDS = 30
-# What is waited besides, on a busy machine: for Python's own start, for the sending of content and numbers.
+# Waited besides, on a busy machine: for Python to start, and for content and numbers to be sent.
 PATIENCE_S = 60
 MAX_MESSAGE_LENGTH = 300
 # No filter is looked for on the disk; no threads of linear algebra, whose memory would count; memory is given back.
@@ -35,7 +35,7 @@ Array = NDArray[Any]
 
 
 class UnreadableError(Exception):
-    """A content is not what it should be; the message, one printable line, says why."""
+    """The content is not what it should be; the message, one printable line, says why."""
 
 
 class _DiedError(Exception):
@@ -56,7 +56,7 @@ class Layout:
 
 
 class _Reader:
-    """The process that reads, started when it is needed and again when a file was its end; for one thread at a time."""
+    """The reading process, started when needed and again when a file has killed it; for one thread at a time."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -69,7 +69,7 @@ class _Reader:
                 return self._ask(content, request)
             except _DiedError:
                 pass
-            # An earlier file may have hurt that process, or somebody have killed it: what counts is a new one's end.
+            # An earlier file may have damaged that process, or somebody killed it: only the end of a new one counts.
             try:
                 return self._ask(content, request)
             except _DiedError as error:
@@ -90,7 +90,7 @@ class _Reader:
             return process.wait()
 
     def forget(self) -> None:
-        """In a fork of this process: the reading process, and the lock on it, are the other one's."""
+        """In a fork of this process: the reading process, and the lock on it, belong to the parent."""
         if self._connection is not None:
             self._connection.close()
         if self._process is not None:
@@ -169,4 +169,4 @@ def _array(connection: Connection, kind: str, shape: list[int]) -> Array:
 
 def _one_line(text: str) -> str:
     """A message that may repeat parts of the file, fit for a terminal."""
-    return "".join(sign if sign.isprintable() else "?" for sign in text[:MAX_MESSAGE_LENGTH])
+    return "".join(character if character.isprintable() else "?" for character in text[:MAX_MESSAGE_LENGTH])

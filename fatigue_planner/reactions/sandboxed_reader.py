@@ -45,7 +45,7 @@ def read(content: bytes, request: dict[str, Any]) -> list[np.ndarray[Any, Any]]:
                 raise RefusedError(f"{name} is longer than {request['most_text']} bytes")
         if len(rows) > 1:
             raise RefusedError(f"its arrays have different lengths: {sorted(rows)}")
-        _limit_memory(len(content) + sum(math.prod(one.shape) * one.dtype.itemsize for one in found))
+        _limit_memory(len(content) + sum(math.prod(dataset.shape) * dataset.dtype.itemsize for dataset in found))
         return [np.asarray(dataset[()]) for dataset in found]
 
 
@@ -68,7 +68,7 @@ def _checked(file: h5py.File, name: str, kind: str) -> h5py.Dataset:
     if dataset.dtype.kind != "S" if kind == "S" else dataset.dtype != TYPES[kind]:
         raise RefusedError(f"{name} has numbers of type {dataset.dtype}")
     filters = dataset.id.get_create_plist()
-    if any(filters.get_filter(place)[0] not in FILTERS for place in range(filters.get_nfilters())):
+    if any(filters.get_filter(index)[0] not in FILTERS for index in range(filters.get_nfilters())):
         raise RefusedError(f"{name} is packed by an unknown filter")
     return dataset
 

@@ -150,7 +150,7 @@ def test_nothing_in_a_bundle_is_believed(cache: Path, reactions: tuple[Reaction,
 def test_files_that_are_no_bundles(cache: Path, tmp_path: Path) -> None:
     bundle = tmp_path / "bundle.zip"
     bundle.write_bytes(b"PK nothing")
-    assert "bundle.zip: is no bundle of reactions" in told(2, "import", bundle, "--cache", cache)
+    assert "bundle.zip: is not an archive of reactions" in told(2, "import", bundle, "--cache", cache)
     with zipfile.ZipFile(bundle, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("x-0123456789abcdef.h5", b"0" * 10_000_000)
     assert "is not stored as `fatplan cache export` does" in told(2, "import", bundle, "--cache", cache)

@@ -34,17 +34,30 @@ def test_a_damaged_entry_is_exit_code_4_and_mended_by_simulate(cache_folder: Pat
     assert done.returncode == 0 and "set aside" in done.stderr and "3 found in the cache, 1 simulated" in done.stdout
 
 
-def test_target_out_of_reach_fails_and_is_not_kept(tmp_path: Path) -> None:
+def test_what_is_out_of_reach_is_kept_and_left_out_of_what_follows(tmp_path: Path) -> None:
     """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
-    path = tmp_path / "far.yaml"
+    path, cache, results = tmp_path / "far.yaml", tmp_path / "cache", tmp_path / "results"
     text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
-    path.write_text(text.replace("time_step_s: 0.01", "time_step_s: 0.02"))
-    done = fatplan("simulate", path, "--cache", tmp_path / "cache")
-    assert done.returncode == 3, done.stderr
-    failed = [line for line in done.stdout.splitlines() if "FAILED" in line]
-    assert len(failed) == 2 and all("high/" in line and "closer" in line for line in failed)
-    assert "2 of 4 reactions failed. The others are kept." in done.stdout
-    assert len(list((tmp_path / "cache").glob("*.h5"))) == 2
+    text = text.replace("time_step_s: 0.01", "time_step_s: 0.02").replace("n_cycles: [5, 20, 100]", "n_cycles: [3]")
+    path.write_text(text.replace("descents: 5000", "descents: 5").replace("trials: 100", "trials: 2"))
+    for found in (0, 2):
+        done = fatplan("simulate", path, "--cache", cache)
+        assert done.returncode == 3, done.stderr
+        failed = [line for line in done.stdout.splitlines() if "FAILED" in line]
+        assert len(failed) == 2 and all("high/" in line and "closer" in line for line in failed)
+        assert "2 of 4 reactions failed, and are left out of what follows:" in done.stdout
+        assert len(list(cache.glob("*.h5"))) == 4 and done.stdout.count(" found, ok;") == found
+    left_out = "average_man cannot perform high (with arm or back): left out of this worker's conditions."
+    for command in (["benchmark", "--dry-run"], ["benchmark"], ["report"]):
+        done = fatplan(command[0], path, *command[1:], "--cache", cache, "--results", results)
+        assert done.returncode == 0 and left_out in done.stderr, done.stderr
+    assert left_out in (results / "paper/summary.txt").read_text()
+    assert left_out.split(" (", maxsplit=1)[0] in (results / "paper/report.html").read_text()
+    assert set((results / "paper/actions.csv").read_text().split("\n")[1].split(",")[-1].split(" ")) == {"0"}
+    done = fatplan("view", path, "--cache", cache, "--save", tmp_path / "view.png")
+    assert done.returncode == 0 and "average_man/high/back cannot be shown" in done.stderr, done.stderr
+    message = refused(2, "view", path, "--cache", cache, "--reaction", "average_man/high/arm")
+    assert "--reaction average_man/high/arm cannot be shown, because it cannot be performed: no admissible" in message
 
 
 def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Path, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from fatigue_planner.core import plugins
 from fatigue_planner.core.errors import ExperimentError, PluginError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.plugins import load_installed_plugins, load_plugin, plugin_sources, run_plugin
+from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
 
@@ -32,6 +34,17 @@ class FirstSettings(fp.PolicySettings):
     level: int = 0
     def build(self):
         return First()
+"""
+
+
+TASK = """
+from typing import Literal
+import fatigue_planner as fp
+from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
+
+@fp.register
+class Straight(SegmentUpright):
+    kind: Literal["straight"]
 """
 
 
@@ -78,6 +91,22 @@ def test_what_a_plug_in_decides_is_in_the_key(tmp_path: Path) -> None:
         keys.append(plugin_sources(type(policies(a={"kind": "first"})["a"])))
     assert keys[0] != keys[1] and list(keys[0]) == ["plug-in fatplan_plugin_mine"]
     assert plugin_sources(type(policies(a={"kind": "greedy"})["a"])) == {}
+
+
+def test_a_reactions_key_has_the_plug_ins_of_its_tasks(tmp_path: Path) -> None:
+    keys = []
+    for text in (TASK, TASK + "# changed\n"):
+        load_plugin(write(tmp_path, text))
+        content = read_content(PAPER)
+        task = {"kind": "straight", "segment": "thorax", "weight": 1.0}
+        content["preferences"] = {**content["preferences"], "arm": {"tasks": [task]}}
+        requests = reaction_requests(parse_experiment(content, "mine.yaml"))
+        keys.append({request.name.preference: request.key for request in requests})
+    (before, after), back = [key["arm"] for key in keys], keys[0]["back"]
+    assert before.settings == after.settings and before.digest != after.digest and back == keys[1]["back"]
+    assert set(after.sources) - set(back.sources) == {"plug-in fatplan_plugin_mine"}
+    assert after.is_current and back.is_current and not replace(after, sources={**after.sources, "x": "0"}).is_current
+    assert type(after.motion_request().preference.tasks[0]).__name__ == "Straight"
 
 
 @pytest.mark.parametrize(

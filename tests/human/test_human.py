@@ -1,5 +1,7 @@
 """The digital human: structure, body data, directions of its joints, and static torques by hand."""
 
+from xml.etree import ElementTree
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -10,6 +12,7 @@ from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
+from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
@@ -237,3 +240,30 @@ def test_posture_refuses_unknown_joints_and_impossible_angles() -> None:
         posture({"knee": 5}, "natural_posture_deg")
     with pytest.raises(DataFileError, match=r"right_knee_flexion = -5 deg is outside .* \[0, 135\]"):
         posture({"right_knee_flexion": -5}, "natural_posture_deg")
+
+
+def test_the_exported_body_can_be_seen_and_its_joints_are_listed_as_motions_count_them() -> None:
+    """Every body has shapes for eye and collision: as heavy as the body if they were of water, feet on the ground."""
+    human = build_human(worker())
+    text = urdf_text(human, maximum_torque("average_man").vectors(), 10.0)
+    robot = ElementTree.fromstring(text)
+    assert [joint.get("name") for joint in robot.iter("joint")] == list(DEGREES_OF_FREEDOM)
+    comment = text.split("<!--")[1].split("-->")[0]
+    assert comment.split(": ")[1].split() == list(DEGREES_OF_FREEDOM)
+    volume = 0.0
+    for name in BODIES:
+        link = next(link for link in robot.iter("link") if link.get("name") == name)
+        visuals, collisions = (
+            [ElementTree.tostring(shape).strip() for shape in link.findall(use)] for use in ("visual", "collision")
+        )
+        assert visuals and collisions == [visual.replace(b"visual", b"collision") for visual in visuals], name
+        for shape in link.findall("visual"):
+            (solid,) = shape.find("geometry")
+            size = [float(number) for value in solid.attrib.values() for number in value.split()]
+            assert min(size) > 0.02 and max(size) < 0.5, name
+            volume += {"box": np.prod(size), "cylinder": np.pi * size[0] ** 2 * size[-1], "sphere": 0.0}[solid.tag]
+    assert 0.8 < 1000 * volume / 75 < 1.3
+    foot = next(link for link in robot.iter("link") if link.get("name") == "right_foot")
+    height = float(foot.find("visual/geometry/box").get("size").split()[2])
+    centre = float(foot.find("visual/origin").get("xyz").split()[2])
+    assert centre - height / 2 == pytest.approx(human.anthropometry.sole_rectangle()[3])

@@ -23,7 +23,7 @@ class Oracle:
     """Inverse dynamics of the exported human by MuJoCo, in this project's conventions."""
 
     def __init__(self, human: Human) -> None:
-        text = urdf_text(human.model, maximum_torque("average_man").vectors(), 10.0)
+        text = urdf_text(human, maximum_torque("average_man").vectors(), 10.0)
         specification = mujoco.MjSpec.from_string(text)
         specification.body("pelvis").add_freejoint(name="root")
         self.model = specification.compile()

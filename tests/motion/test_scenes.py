@@ -16,9 +16,10 @@ from fatigue_planner.human.model import GRAVITY_MPS2, build_human, joint_index
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position, Waypoint
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.minimum_jerk import Pose, minimum_jerk
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.payload import CarriedMass, HandForce, TimedForce
-from fatigue_planner.motion.schedule import SWITCH_S, Run, phases_of, runs_of, share_of
+from fatigue_planner.motion.schedule import SWITCH_S, Run, hand_reference, phases_of, runs_of, weight_factor_of
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMass
@@ -166,17 +167,50 @@ def test_masses_change_only_with_phases(paper: Experiment) -> None:
     assert runs_of(at_work, paper.actions["high"], phases)[1] == Run(200, 300, 5.0, 0.0)
 
 
+def test_the_tool_is_in_the_hand_that_works(request_: MotionRequest, paper: Experiment) -> None:
+    """Worked with the left hand, the paper's 5 kg load the left wrist as they load the right one on the other side."""
+    phases = phases_of(SHORT, 0.01)
+    right = request_.action.right_hand
+    left = HandGoal(position_m=right.position_m.model_copy(update={"y": -right.position_m.y}), orientation_deg=FORWARD)
+    actions = [Action(right_hand=right), Action(left_hand=left), Action(right_hand=right, left_hand=left)]
+    assert [runs_of(paper.tool, one, phases)[0][2:] for one in actions] == [(5.0, 0.0), (0.0, 5.0), (5.0, 0.0)]
+    named = paper.tool.model_copy(update={"hand": "left"})
+    assert runs_of(named, actions[2], phases)[0][2:] == (0.0, 5.0)
+    held = replace(request_, tool=paper.tool, preference=Preference(tasks=()))
+    ours, theirs = (simulate(replace(held, action=action)) for action in actions[:2])
+    tick = ours.middle("work")
+    deviation = ours.torque_nm[tick, joint_index("right_wrist_deviation")]
+    assert abs(deviation) > 4
+    assert theirs.torque_nm[tick, joint_index("left_wrist_deviation")] == pytest.approx(deviation, rel=1e-3)
+
+
+def test_every_time_but_a_phases_may_lie_between_two_steps(request_: MotionRequest) -> None:
+    """The reference is read at the instants of the steps: a waypoint between two is passed there, and not moved."""
+    step, home = 0.02, Pose(np.array([0.3, -0.2, 0.9]), np.eye(3))
+    times, marks = (0.0, 0.309, 0.5), ((0.4, -0.2, 1.0), (0.4, -0.2, 1.2), (0.5, -0.2, 1.2))
+    path = tuple(
+        Waypoint(work_time_s=time, position_m=Position(x=x, y=y, z=z))
+        for time, (x, y, z) in zip(times, marks, strict=True)
+    )
+    reference = hand_reference(home, HandGoal(waypoints=path), phases_of(SHORT, step), step)
+    at_work = reference.position_m[round(SHORT.reach_s / step) :][: round(SHORT.work_s / step)]
+    share = minimum_jerk(np.arange(len(at_work)) * step / times[1])[0]
+    before = np.arange(len(at_work)) * step < times[1]
+    np.testing.assert_allclose(at_work[before, 2], 1.0 + 0.2 * share[before], atol=1e-12)
+    np.testing.assert_allclose(at_work[~before, 2], 1.2, atol=1e-12)
+
+
 def test_tasks_come_and_go_with_their_phases() -> None:
     phases = phases_of(SHORT, 0.01)
-    assert share_of(("reach", "work", "return"), phases, 0.01) is None
-    share = share_of(("work",), phases, 0.01)
+    assert weight_factor_of(("reach", "work", "return"), phases, 0.01) is None
+    share = weight_factor_of(("work",), phases, 0.01)
     ramp = round(SWITCH_S / 0.01)
     assert (share[:200] == 0).all() and (share[200 + ramp : 300] == 1).all() and (share[300 + ramp :] == 0).all()
     assert share[199 + ramp // 2] == pytest.approx(0.5) == share[299 + ramp // 2]
     assert np.abs(np.diff(share)).max() < 0.04
-    begin = share_of(("reach", "work"), phases, 0.01)
+    begin = weight_factor_of(("reach", "work"), phases, 0.01)
     assert begin[0] < 1e-4 and (begin[ramp:300] == 1).all() and begin[-1] == 0
-    brief = share_of(("work",), phases_of(Cycle(reach_s=0.2, work_s=0.3, return_s=0.2), 0.01), 0.01)
+    brief = weight_factor_of(("work",), phases_of(Cycle(reach_s=0.2, work_s=0.3, return_s=0.2), 0.01), 0.01)
     assert np.abs(np.diff(brief)).max() < 0.1 and brief.max() == 1 and brief[-1] == 0
 
 

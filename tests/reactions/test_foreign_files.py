@@ -42,9 +42,10 @@ from fatigue_planner.reactions.hdf5_layout import (
     entry_bytes,
     read_entry,
     read_key,
-    sealed,
+    with_checksum,
 )
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey, file_name
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import Reaction, file_name
 
 MAX_CPU_S = 2.0
 MAX_MIB = 800  # of the process that reads; it has some 45 at rest, and some 620 after the longest motion there can be
@@ -141,25 +142,25 @@ def latest(_: Path) -> bytes:
     ):
         for name in old:
             old.copy(name, new)
-    return sealed(content.getvalue())
+    return with_checksum(content.getvalue())
 
 
 def moved(_: Path) -> bytes:
     whole = small_entry()
-    return sealed(whole[:512] + bytes(512) + whole[512:])
+    return with_checksum(whole[:512] + bytes(512) + whole[512:])
 
 
 def superblock(version: int) -> Build:
     def build(_: Path) -> bytes:
         whole = bytearray(small_entry())
         whole[512 + 8] = version
-        return sealed(bytes(whole))
+        return with_checksum(bytes(whole))
 
     return build
 
 
 def cut(at: float) -> Build:
-    return lambda _: sealed(small_entry()[: int(len(small_entry()) * at)])
+    return lambda _: with_checksum(small_entry()[: int(len(small_entry()) * at)])
 
 
 def committed(file: h5py.File) -> None:
@@ -265,7 +266,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "superblock 3 where there is none": (superblock(3), "cannot be read as HDF5"),
     "cut in the middle": (cut(0.5), "cannot be read as HDF5"),
     "cut after the superblock": (cut(0.02), "cannot be read as HDF5"),
-    "nothing but a seal": (lambda _: sealed(bytes(600)), "cannot be read as HDF5"),
+    "nothing but a checksum": (lambda _: with_checksum(bytes(600)), "cannot be read as HDF5"),
     "deep JSON": (key("[" * 100_000 + "]" * 100_000), NOT_OURS),
     "deep JSON, whole": (key(valid_key(x=0).replace(':0', ':' + "[" * 3000 + "]" * 3000)), NOT_OURS),
     "NaN": (key(valid_key(x=0).replace('"x":0', '"x":NaN')), NOT_OURS),
@@ -275,10 +276,10 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "an escape sequence": (key(valid_key(x="\x1b[31m")), "not as this program writes"),
     "text that runs backwards": (key(valid_key(x="\u202e")), "not as this program writes"),
     "no JSON": (key("x"), NOT_OURS),
-    "a list": (key("[]"), "its key is none"),
+    "a list": (key("[]"), "its key is not that of a reaction"),
     "a number for a key": (key("5"), NOT_OURS),
-    "a part missing": (key('{"settings":{},"sources":{}}'), "its key is none"),
-    "settings that are not settings": (key('{"settings":[],"sources":{},"versions":{}}'), "its key is none"),
+    "a part missing": (key('{"settings":{},"sources":{}}'), "its key is not that of a reaction"),
+    "settings in a list": (key('{"settings":[],"sources":{},"versions":{}}'), "its key is not that of a reaction"),
     "bytes that are not text": (text("key", b"\xff\xfe"), NOT_OURS),
     "another key": (key(valid_key(tool={"mass_kg": 4})), "numbers do not match their hash"),
     "a key of 1 MB": (text("key", b"x" * (MAX_TEXT + 1)), "key is longer than 1000000 bytes"),
@@ -286,7 +287,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "a quality with a text for a number": (quality(record_error="0"), "quality record_error: Input should be a valid"),
     "a quality with NaN": (quality(record_error=float("nan")), NOT_OURS),
     "a quality with an escape": (quality(largest_load_joint="\x1b]0;x\x07"), NOT_OURS),
-    "an unknown joint": (quality(saturated_joint="tail"), "a joint that is none"),
+    "an unknown joint": (quality(saturated_joint="tail"), "names an unknown joint"),
     "a quality that is not one": (text("quality", b"[" * 100_000), NOT_OURS),
     "another quality": (quality(record_error=0.0), "numbers do not match their hash"),
     "a path in the name": (name(b"../../etc", b"high", b"arm"), "its name is"),
@@ -313,7 +314,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "not a reaction": (text("format", b"something"), "is not a fatplan reaction"),
     "no format": (by(lambda file: file.__delitem__("format")), "format is missing"),
     "a format of 1 MB": (text("format", b"x" * 1_000_000), "format is longer"),
-    "format 4": (by(instead("format_version", 4)), "has format 4"),
+    "format 5": (by(instead("format_version", 5)), "has format 5"),
     "format -1": (by(instead("format_version", -1)), "has format -1"),
 }  # fmt: skip
 READ: dict[str, Build] = {
@@ -427,7 +428,7 @@ def broken_files(folder: Path) -> dict[str, tuple[Path, str]]:
     return {
         "sparse": (folder / "sparse", f"has {MAX_BYTES + 1} bytes; none of ours has more"),
         "empty": (folder / "empty", "does not match its hash"),
-        "bare": (folder / "bare", "has no seal"),
+        "bare": (folder / "bare", "has no checksum"),
     }
 
 
@@ -491,8 +492,8 @@ def test_a_file_that_changes_while_it_is_read_is_refused_or_read_right(tmp_path:
 ZIP_END = b"PK\5\6" + bytes(18)
 MEMBER = b"anna-high-arm-0123456789abcdef.h5"
 ARCHIVES: dict[str, tuple[Callable[[], bytes], str]] = {
-    "nothing": (lambda: b"", "is no bundle"),
-    "text": (lambda: b"PK nothing of the kind, but long enough for a header", "is no bundle"),
+    "nothing": (lambda: b"", "is not an archive"),
+    "text": (lambda: b"PK nothing of the kind, but long enough for a header", "is not an archive"),
     "cut in an entry": (lambda: zip_entry(MEMBER, small_entry())[:-1], "was cut off in 'anna"),
     "cut after an entry": (lambda: zip_entry(MEMBER, b"x"), "was cut off"),
     "cut in a header": (lambda: zip_entry(MEMBER, b"x") + b"PK\3\4", "was cut off"),
@@ -503,7 +504,7 @@ ARCHIVES: dict[str, tuple[Callable[[], bytes], str]] = {
     "zip64": (lambda: zip_entry(MEMBER, b"x", size=2**32 - 1, stored=2**32 - 1), "none of ours has more"),
     "a lying size": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES, stored=MAX_BYTES) + ZIP_END, "was cut off in"),
     "a size too large": (lambda: zip_entry(MEMBER, b"x", size=MAX_BYTES + 1, stored=MAX_BYTES + 1), "none of ours"),
-    "entries within entries": (lambda: zip_entry(MEMBER, zip_entry(MEMBER, b"x"), size=40, stored=40), "no bundle"),
+    "entries in entries": (lambda: zip_entry(MEMBER, zip_entry(MEMBER, b"x"), size=40, stored=40), "not an archive"),
     "100,001 entries": (lambda: zip_entry(b"", b"") * 100_001 + ZIP_END, "has more than 100000 entries"),
 }  # fmt: skip
 
@@ -544,7 +545,7 @@ def test_an_entry_of_other_code_is_not_taken(tmp_path: Path) -> None:
 
 def test_hostile_settings_are_one_line(tmp_path: Path) -> None:
     """Current in everything but what it describes: verification refuses it, and the program goes on."""
-    from fatigue_planner.reactions.reaction import sources, versions
+    from fatigue_planner.reactions.key import sources, versions
 
     hostile: list[dict[str, object]] = [
         {}, {"worker": []}, {"worker": {"height_m": 1e308}}, {"worker": 5, "tool": "x" * 10_000}, {"\u00e9": {}},

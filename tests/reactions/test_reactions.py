@@ -18,9 +18,11 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.motion.settings import Cycle
+from fatigue_planner.reactions.archive import export_archive, import_archive
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, read_entry, with_checksum
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction
 from fatigue_planner.reactions.verify import verify_entry
 
 
@@ -49,7 +51,7 @@ def other_key(reaction: Reaction, **settings: object) -> ReactionKey:
 def test_an_entry_describes_itself(cache_folder: Path) -> None:
     assert len(list(cache_folder.glob("*.h5"))) == 4
     with h5py.File(next(cache_folder.glob("average_man-high-arm-*.h5"))) as file:
-        assert file["format"][()] == b"fatplan reaction" and file["format_version"][()] == 3
+        assert file["format"][()] == b"fatplan reaction" and file["format_version"][()] == 4
         assert file["name"][()].tolist() == [b"average_man", b"high", b"arm"]
         assert [name.decode() for name in file["phases"]] == ["reach", "work", "return"]
         assert file["torque_nm"].attrs["columns"].split(", ") == list(DEGREES_OF_FREEDOM)
@@ -105,11 +107,43 @@ def test_the_key_of_a_reaction_knows_sources_and_libraries(paper: Experiment, ma
         assert machine.with_another_file(file, key) == same
 
 
-def test_inaccurate_motion_is_reported_and_never_kept(brief: Experiment, tmp_path: Path) -> None:
+def test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again(
+    brief: Experiment, tmp_path: Path
+) -> None:
     strict = brief.model_copy(update={"accuracy": brief.accuracy.model_copy(update={"hand_error_m": 1e-7})})
-    cache, outcomes = complete(strict, tmp_path)
-    assert outcomes[0].verdict == "failed" and "out of reach" in outcomes[0].failure
-    assert not cache.files()
+    told = [outcome for experiment in (strict, brief, strict) for outcome in complete(experiment, tmp_path)[1]]
+    assert [outcome.verdict for outcome in told] == ["failed", "ok", "failed"]
+    assert [outcome.found for outcome in told] == [False, True, True]
+    assert told[0].failure == told[2].failure and "out of reach" in told[0].failure and told[1].failure == ""
+    assert len(ReactionCache(tmp_path).files()) == 1
+    assert load_reactions(strict, tmp_path, "fatplan simulate") == ()
+    assert len(load_reactions(brief, tmp_path, "fatplan simulate")) == 1
+    both = [*reaction_requests(strict), *reaction_requests(brief)]
+    outcomes = ReactionCache(tmp_path).complete(both, LocalProcesses(1), lambda _: None)
+    assert [outcome.verdict for outcome in outcomes] == ["failed", "ok"]
+
+
+def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Experiment, tmp_path: Path) -> None:
+    weak = brief.model_copy(update={"controller": brief.controller.model_copy(update={"torque_limit_factor": 0.02})})
+    cache, first = complete(weak, tmp_path / "a")
+    _, again = complete(weak, tmp_path / "a")
+    assert [outcome.found for outcome in (*first, *again)] == [False, True]
+    assert first[0].failure == again[0].failure and "no admissible movement" in first[0].failure
+    assert load_reactions(weak, tmp_path / "a", "fatplan simulate") == ()
+    (path,) = cache.files()
+    assert verify_entry(path).verdict == "ok" and first[0].failure in verify_entry(path).reason
+    assert export_archive(cache, reaction_requests(weak), tmp_path / "b.zip", "fatplan simulate") == 1
+    (taken,) = import_archive(tmp_path / "b.zip", ReactionCache(tmp_path / "b"))
+    assert taken.new and not taken.refused
+    stored = cache.read(path)
+    assert isinstance(stored, FailedReaction) and entry_bytes(stored) == path.read_bytes()
+    path.write_bytes(entry_bytes(replace(stored, reason="it is Monday")))
+    export_archive(cache, reaction_requests(weak), tmp_path / "b.zip", "fatplan simulate")
+    (taken,) = import_archive(tmp_path / "b.zip", ReactionCache(tmp_path / "c"))
+    assert "for another reason" in taken.refused and verify_entry(path).verdict == "failed"
+    path.write_bytes(with_checksum(path.read_bytes()[:-9] + b"forgotten"))
+    with pytest.raises(DamagedFileError):
+        cache.read(path)
 
 
 def test_files_of_others_are_left_alone(brief: Experiment, tmp_path: Path) -> None:
@@ -205,7 +239,7 @@ def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[R
     forged = replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque))
     found = verify_entry(keep(tmp_path, forged))
     assert found.verdict == "failed" and not found.damaged
-    assert "equation_of_motion_nm = 1.00e-03 (allowed: 1e-08)" in found.reason and "stored as" in found.reason
+    assert "equation_of_motion_nm = 0.00" in found.reason and "stored as" in found.reason
     strange = replace(reactions[0], key=other_key(reactions[0], action={"position": 1}))
     assert "not those of this version" in verify_entry(keep(tmp_path, strange)).reason
 
@@ -220,7 +254,7 @@ def test_a_motion_longer_than_its_settings_say_is_noticed(
     assert verify_entry(path).verdict == "failed" and "another length" in verify_entry(path).reason
     request = next(request for request in reaction_requests(paper) if request.digest == reactions[0].digest)
     with pytest.raises(DamagedFileError, match="another length"):
-        ReactionCache(tmp_path).load([request], "fatplan simulate")
+        list(ReactionCache(tmp_path).stream([request], "fatplan simulate"))
 
 
 def test_a_complete_cache_needs_no_writable_folder(brief: Experiment, tmp_path: Path) -> None:

@@ -195,7 +195,7 @@ def write_manifest(folder: Path, entry: dict[str, object]) -> None:
     (folder / "manifest.json").write_text(text + "\n")
 
 
-@pytest.mark.parametrize("missing", ["versions", "references", "experiment", "seed", "sha256", "reactions"])
+@pytest.mark.parametrize("missing", ["versions", "references", "experiment", "actions", "seed", "sha256", "reactions"])
 def test_a_manifest_of_another_version_is_one_clear_message(small: Experiment, folder: Path, missing: str) -> None:
     entry = json.loads((folder / "manifest.json").read_text())["benchmark"]
     write_manifest(folder, dict(entry))

@@ -46,6 +46,7 @@ def _fixed(value: Any) -> Any:
 
 def _experiment() -> Content:
     content: Content = _listed(read_content(PAPER))
+    content["tool"]["hand"] = "right"
     content["cycle"] |= {"reach_s": 1.0, "work_s": 0.5, "return_s": 1.0}  # quick to simulate
     content["workers"]["woman"] = {
         "height_m": 1.65, "mass_kg": 62.0, "sex": "female", "strength": "average_woman", "natural_posture_deg": POSTURE,
@@ -171,7 +172,7 @@ RULES = (
     ),
     Rule(("tool.*", "cycle.*", "controller.*"), "common to all motions; what runs see of it is the torques",
          **ALL_MOTIONS),
-    Rule(("accuracy.*",), "decides whether a motion may be used, which a stored one must answer for", **ALL_MOTIONS),
+    Rule(("accuracy.*",), "decides whether a motion may be used, when it is read"),
     Rule(("actions.*",), "where this action takes the hands, and its loads",
          reactions=lambda leaf, name: name[1] == leaf.path[1]),
     Rule(("preferences.*",), "how the body moves with this preference",

@@ -17,8 +17,9 @@ from mutations import damaged
 
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
-from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, sealed
-from fatigue_planner.reactions.reaction import Reaction, ReactionKey, ReactionName, file_name
+from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, with_checksum
+from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, file_name
 
 TICKS = 6
 NOT_NUMBERS = {"not_finite": 0, "eased_ticks": 0, "largest_load_joint": "lumbar_flexion", "saturated_joint": ""}
@@ -44,11 +45,11 @@ def small_entry() -> bytes:
 
 
 def crafted(change: Callable[[h5py.File], object]) -> bytes:
-    """The small entry, changed by HDF5 itself, with a valid seal."""
+    """The small entry, changed by HDF5 itself, with a valid checksum."""
     content = io.BytesIO(small_entry())
     with h5py.File(content, "r+") as file:
         change(file)
-    return sealed(content.getvalue())
+    return with_checksum(content.getvalue())
 
 
 def instead(name: str, value: object, **how: object) -> Callable[[h5py.File], object]:
@@ -85,12 +86,12 @@ def zip_entry(name: bytes, content: bytes, flags: int = 0, method: int = 0, stor
 
 
 def mutants() -> st.SearchStrategy[bytes]:
-    """The small entry, damaged behind a renewed seal; more where it is not empty."""
+    """The small entry, damaged behind a renewed checksum; more where it is not empty."""
     whole = small_entry()
     used = [512 + index for index, byte in enumerate(whole[512:]) if byte]
     ends = [bytes([value]) * length for value in (0, 0xFF, 0x7F, 0x01, 0x80) for length in (1, 2, 4, 8)]  # of integers
     positions = st.sampled_from(used) | st.integers(512, len(whole) - 1)
-    return damaged(whole, positions, st.sampled_from(ends) | st.binary(max_size=8)).map(sealed)
+    return damaged(whole, positions, st.sampled_from(ends) | st.binary(max_size=8)).map(with_checksum)
 
 
 def packed_zeros(size: int) -> bytes:

@@ -26,6 +26,7 @@ def publish(experiment: Experiment, reactions: tuple[Reaction, ...], folder: Pat
 def seal(experiment: Experiment, folder: Path, *further: str) -> None:
     """Note what is there now; `further`: files besides those of every run."""
     note = {
+        "actions": dict.fromkeys(experiment.benchmark.conditions, tuple(experiment.actions)),
         "experiment": experiment.plain(),
         "reactions": digests(reaction_requests(experiment)),
         "seed": experiment.benchmark.seed,

@@ -29,7 +29,7 @@ from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.simulator import simulate
-from fatigue_planner.reactions import reaction
+from fatigue_planner.reactions import key as reaction_key
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 from fatigue_planner.study.benchmark import bounds, cell, regret
 from fatigue_planner.study.benchmark.bounds import bound_digest
@@ -267,7 +267,7 @@ def in_reach(*modules: str) -> tuple[set[str], set[str]]:
 
 # What is kept -> the modules that make it, the sources in its key, what of the reach has no part in it.
 MAKERS = {
-    "reactions": (("motion.simulator", "motion.verification"), reaction.SOURCES, WITHOUT_A_PART, BODY_DATA),
+    "reactions": (("motion.simulator", "motion.verification"), reaction_key.SOURCES, WITHOUT_A_PART, BODY_DATA),
     "cells": (("study.benchmark.cell", "planners.registry"), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
         ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES),
@@ -333,7 +333,7 @@ NO_NUMBERS = {"pydantic", "pydantic_core", "yaml", "pandas"}
 @pytest.mark.parametrize(
     ("kind", "named"),
     [
-        ("reactions", reaction.NUMERICAL_LIBRARIES), ("cells", cell.NUMERICAL_LIBRARIES),
+        ("reactions", reaction_key.NUMERICAL_LIBRARIES), ("cells", cell.NUMERICAL_LIBRARIES),
         ("regret", cell.NUMERICAL_LIBRARIES), ("bounds", bounds.NUMERICAL_LIBRARIES),
     ],
 )  # fmt: skip
@@ -344,10 +344,9 @@ def test_the_numerical_libraries_in_reach_are_in_the_key(kind: str, named: tuple
 
 # --- does it matter indeed? --------------------------------------------------------------------------------------
 
-# Settings that decide a motion in general, but not this one, which comes near none of these limits; and the accuracy,
-# which only decides whether a motion may be used.
+# Settings that decide a motion in general, but not this one, which comes near none of these limits.
 OFTEN_WITHOUT_EFFECT = (
-    "accuracy.*", "controller.torque_limit_factor", "controller.friction_coefficient",
+    "controller.torque_limit_factor", "controller.friction_coefficient",
     "controller.velocity_limit_radps", "controller.acceleration_limit_radps2",
 )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Hold the centre of mass at a place."""
+"""Hold the centre of mass at a position."""
 
 from typing import Literal
 
@@ -18,9 +18,9 @@ Indices = NDArray[np.intp]
 class CentreOfMassTask(Task):
     """Hold some coordinates of the centre of mass."""
 
-    def __init__(self, weight: float, stiffness: float, place: Coordinates) -> None:
-        super().__init__(len(place.axes()), weight, stiffness)
-        self.axes, self.reference_m = np.array(place.axes()), place.values()
+    def __init__(self, weight: float, stiffness: float, position: Coordinates) -> None:
+        super().__init__(len(position.axes()), weight, stiffness)
+        self.axes, self.reference_m = np.array(position.axes()), position.values()
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""

@@ -1,4 +1,4 @@
-"""Move a hand: along a reference (actions) or to a fixed place (preferences)."""
+"""Move a hand: along a reference (actions) or to a fixed pose (preferences)."""
 
 from typing import Literal, Self
 
@@ -71,9 +71,8 @@ class Hand(PreferenceTask):
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""
-        place, turn = self.position_m, self.orientation_deg
-        position = place.vector() if place else np.zeros(3)
-        parts = slice(0 if place else 3, 6 if turn else 3)
-        pose = Pose(position, turn.rotation() if turn else np.eye(3))
+        position, turn = self.position_m, self.orientation_deg
+        parts = slice(0 if position else 3, 6 if turn else 3)
+        pose = Pose(position.vector() if position else np.zeros(3), turn.rotation() if turn else np.eye(3))
         frame = state.frame(f"{self.hand}_grip")
         return HandTask(self.weight, stiffness.hand, frame, parts, Trajectory.at_rest(pose))

@@ -50,5 +50,5 @@ class JointPosture(PreferenceTask):
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""
         angles = posture(self.angles_deg, "angles_deg")
-        joints = sorted({place for name in self.angles_deg for place in degrees_of_freedom(name)})
+        joints = sorted({index for name in self.angles_deg for index in degrees_of_freedom(name)})
         return JointPostureTask(self.weight, stiffness.posture, joints, angles[joints])

@@ -1,4 +1,4 @@
-"""Keep a segment's upper joint at a place."""
+"""Keep a segment's upper joint at a position."""
 
 from typing import Literal
 
@@ -11,12 +11,12 @@ from fatigue_planner.motion.tasks.task import Coordinates, Matrix, PreferenceTas
 
 
 class SegmentPositionTask(Task):
-    """Keep the origin of a segment (its upper joint; the pelvis' is the middle of the hips) at a place."""
+    """Keep the origin of a segment (its upper joint; the pelvis' is the middle of the hips) at a position."""
 
-    def __init__(self, weight: float, stiffness: float, frame: int, place: Coordinates) -> None:
-        super().__init__(len(place.axes()), weight, stiffness)
+    def __init__(self, weight: float, stiffness: float, frame: int, position: Coordinates) -> None:
+        super().__init__(len(position.axes()), weight, stiffness)
         self.frame = frame
-        self.axes, self.reference_m = place.axes(), place.values()
+        self.axes, self.reference_m = position.axes(), position.values()
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""

@@ -42,7 +42,7 @@ class Task(ABC):
 
 
 class PreferenceTask(Settings):
-    """A task of a motion preference as it stands in an experiment file; every kind adds its own keys.
+    """A task of a motion preference, as in an experiment file; every kind adds its own keys.
 
     >>> [task.kind for task in experiment.preferences["arm"].tasks]
     ['segment_upright']
@@ -89,9 +89,9 @@ class Coordinates(Settings):
         return self
 
     def axes(self) -> list[int]:
-        """The places of the coordinates given."""
+        """The indices of the given coordinates."""
         return [i for i, value in enumerate((self.x, self.y, self.z)) if value is not None]
 
     def values(self) -> Vector:
-        """The coordinates given, (n,) m."""
+        """The given coordinates, (n,) m."""
         return np.array([value for value in (self.x, self.y, self.z) if value is not None])

@@ -47,6 +47,9 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
     low, high = own["long_run_cost"].min(), own["long_run_cost"].max()
     for panel, preference in zip(axes, preferences, strict=True):
         at = own[own["preference"] == preference].groupby([across, up], as_index=False)["long_run_cost"].mean()
+        if at.empty:  # no place can be worked at with this preference
+            panel.set_axis_off()
+            continue
         grid = at.pivot_table(index=up, columns=across, values="long_run_cost")
         image = panel.pcolormesh(
             grid.columns, grid.index, grid.to_numpy(), cmap="viridis_r", vmin=low, vmax=high, shading="nearest"

@@ -62,11 +62,14 @@ class NotedExperiment(BaseModel):
 class BenchmarkNote(Note):
     """What `fatplan benchmark` notes: the experiment as plain values, seed, and the references of the regret.
 
-    selection: what the options asked of the experiment's file, whose copy is EXPERIMENT_FILE.
+    selection: what the options asked of the experiment's file, whose copy is EXPERIMENT_FILE. actions: by condition,
+    the actions its worker can perform, which the numbers in the table of actions count; conditions that could not be
+    run are not among them.
     """
 
     experiment: dict[str, Any]
     selection: Selection = Selection()
+    actions: dict[str, tuple[str, ...]]
     seed: int
     references: dict[str, ReferenceSettings]
 
@@ -78,7 +81,9 @@ class BenchmarkNote(Note):
     @property
     def grid(self) -> NotedGrid:
         """The grid of the tables."""
-        return NotedExperiment.model_validate(self.experiment).benchmark
+        grid = NotedExperiment.model_validate(self.experiment).benchmark
+        conditions = {name: condition for name, condition in grid.conditions.items() if name in self.actions}
+        return grid.model_copy(update={"conditions": conditions})
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.reaction import ReactionName, ReactionRequest, digests
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, digests
 from fatigue_planner.study.sensitivity.design import Point
 
 Profiles = dict[ReactionName, CycleProfile]
@@ -26,9 +27,9 @@ class Reacted:
 
 
 def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
-    """Every reaction that any point needs, once."""
+    """Every reaction that some point needs, once for each accuracy."""
     found = {
-        request.digest: request
+        (request.digest, request.accuracy): request
         for point in points
         if point.experiment is not None
         for request in reaction_requests(point.experiment)
@@ -57,24 +58,29 @@ def react(
     """
     requests = unique_requests(points)
     outcomes = cache.complete(requests, executor, progress)
-    if cache.lost:
-        raise LostWorkError(
-            "\n".join(cache.lost) + "\nAll other reactions are kept; the same command tries these again."
-        )
-    failures = {outcome.digest: outcome.failure for outcome in outcomes if outcome.verdict == "failed"}
-    good = [request for request in requests if request.digest not in failures]
-    needs: dict[str, list[tuple[Point, Experiment, ReactionName]]] = {}
+    lost = dict.fromkeys(f"{outcome.name}: {outcome.failure}" for outcome in outcomes if not outcome.kept)
+    if lost:
+        raise LostWorkError("\n".join(lost) + "\nAll other reactions are kept; the same command tries these again.")
+    failures = {
+        (request.digest, request.accuracy): outcome.failure
+        for request, outcome in zip(requests, outcomes, strict=True)
+        if outcome.verdict == "failed"
+    }
+    good = [request for request in requests if (request.digest, request.accuracy) not in failures]
+    needs: dict[tuple[str, Accuracy], list[tuple[Point, Experiment, ReactionName]]] = {}
     reasons: dict[str, list[str]] = {}
     for point in points:
         if point.experiment is None:
             continue
         for request in reaction_requests(point.experiment):
-            needs.setdefault(request.digest, []).append((point, point.experiment, request.name))
-            if request.digest in failures:
-                reasons.setdefault(point.name, []).append(f"{request.name}: {failures[request.digest]}")
+            key = request.digest, request.accuracy
+            needs.setdefault(key, []).append((point, point.experiment, request.name))
+            if key in failures:
+                reasons.setdefault(point.name, []).append(f"{request.name}: {failures[key]}")
     profiles: dict[str, Profiles] = {point.name: {} for point in points}
-    for reaction in cache.stream(good, command):
-        for point, experiment, name in needs[reaction.digest]:
+    for request, reaction in zip(good, cache.stream(good, command), strict=True):
+        assert isinstance(reaction, Reaction)  # failed ones are not among the good
+        for point, experiment, name in needs[request.digest, request.accuracy]:
             if point.name not in reasons:
                 parameters = worker_fatigue(experiment)[name.worker]
                 profiles[point.name][name] = cycle_profile(

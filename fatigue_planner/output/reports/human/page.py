@@ -19,10 +19,8 @@ TOLERANCE = 0.10  # from the general curve of endurance
 NUMERIC = "0123456789+−–"  # what the cells of a column of numbers begin with
 
 
-def human_page(
-    worker: Worker, tool_mass_kg: float, fatigue: FatigueSettings, reactions: Sequence[Reaction], command: str
-) -> str:
-    """The page, as Markdown, of a worker whose `reactions` were simulated with a tool; `command` writes it."""
+def human_page(worker: Worker, fatigue: FatigueSettings, reactions: Sequence[Reaction], command: str) -> str:
+    """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it."""
     human = build_human(worker)
     postures, from_hand = torques.postures(worker, human)
     endurance = tables.endurance(fatigue.fatigue_rate_per_s)
@@ -47,7 +45,7 @@ def human_page(
         ranges=tables.ranges(),
         postures=postures,
         from_hand=from_hand,
-        reactions=torques.reaction_torques(build_human(worker, tool_mass_kg), tool_mass_kg, reactions),
+        reactions=torques.reaction_torques(reactions),
         strengths=tables.strengths(worker),
         strength_sets=tables.strength_sets(),
         endurance=endurance,

@@ -12,6 +12,8 @@ from fatigue_planner.core.text import fixed, signed_percent
 from fatigue_planner.human.joint_data import posture
 from fatigue_planner.human.model import BASE_DOF, Human, Worker, build_human, joint_index, stand
 from fatigue_planner.human.skeleton import JOINTS
+from fatigue_planner.motion.schedule import runs_of, tool_hand
+from fatigue_planner.motion.settings import Side
 from fatigue_planner.output.reports.human.hand_calculation import static_moments_nm
 from fatigue_planner.output.reports.human.references import (
     Interval,
@@ -27,12 +29,21 @@ Vector = NDArray[np.float64]
 
 
 class Joint(NamedTuple):
-    """A joint of the tables of torques: its name there, the model's, and which torque of it lifts, with its sign."""
+    """A joint of the tables of torques: its name there, the model's, and which torque of it lifts, with its sign.
+
+    Those of the arm are the right one's; `of_side` gives the left one's.
+    """
 
     label: str
     compound: str
     lifting: str
     sign: float
+
+    def of_side(self, side: Side) -> "Joint":
+        """The same joint of the arm of a side."""
+        return self._replace(
+            compound=self.compound.replace("right_", f"{side}_"), lifting=self.lifting.replace("right_", f"{side}_")
+        )
 
 
 LOADED: dict[LoadedJoint, Joint] = {
@@ -41,15 +52,15 @@ LOADED: dict[LoadedJoint, Joint] = {
     "elbow": Joint("elbow", "right_elbow", "right_elbow_flexion", 1.0),
     "wrist": Joint("wrist", "right_wrist", "right_wrist_deviation", 1.0),
 }
-_COMPOUND = {name: next(joint for joint in JOINTS if joint.name == own.compound) for name, own in LOADED.items()}
+_COMPOUNDS = {joint.name: joint for joint in JOINTS}
 THREE_AXES = ("back", "shoulder")
 AT_TARGET_M = 0.02  # a fist this near to a reference target is at it
 SAME_MASS_KG = 0.01
 
 
-def lifting_torques_nm(torque_nm: Vector) -> dict[LoadedJoint, float]:
-    """The lifting torques among joint torques (39,) in N.m."""
-    return {name: float(joint.sign * torque_nm[joint_index(joint.lifting)]) for name, joint in LOADED.items()}
+def lifting_torque_nm(joint: Joint, torque_nm: Vector) -> float:
+    """The lifting torque of a joint among joint torques (39,) in N.m."""
+    return float(joint.sign * torque_nm[joint_index(joint.lifting)])
 
 
 def model_torques_nm(worker: Worker, wanted: ReferencePosture) -> dict[LoadedJoint, float]:
@@ -60,7 +71,8 @@ def model_torques_nm(worker: Worker, wanted: ReferencePosture) -> dict[LoadedJoi
     """
     model = build_human(worker, wanted.tool_mass_kg).model
     rest, configuration = np.zeros(model.nv), stand(model, posture(wanted.angles_deg, "angles_deg"))
-    return lifting_torques_nm(pin.rnea(model, model.createData(), configuration, rest, rest)[BASE_DOF:])
+    torque_nm = pin.rnea(model, model.createData(), configuration, rest, rest)[BASE_DOF:]
+    return {name: lifting_torque_nm(joint, torque_nm) for name, joint in LOADED.items()}
 
 
 def postures(worker: Worker, human: Human) -> tuple[SourcedTable, Mapping[str, float]]:
@@ -95,7 +107,7 @@ class JointLoad:
 
     `lifting_nm`: of the degree of freedom that lifts; `together_nm`: Euclidean norm of the torques of the
     joint's degrees of freedom; `moment_nm`: of the moment the joint transmits about its centre, moving and
-    at rest; `fist_before_m`: horizontal distance of the right fist from the joint; `band`: where the
+    at rest; `fist_before_m`: horizontal distance of the fist that works from the joint; `band`: where the
     paper's target has one for this joint.
     """
 
@@ -107,23 +119,28 @@ class JointLoad:
     band: Interval | None
 
 
-def mid_work(human: Human, tool_mass_kg: float, reaction: Reaction) -> dict[LoadedJoint, JointLoad]:
-    """What a reaction costs in the middle of its work; `human` holds the tool."""
-    motion, model = reaction.motion, human.model
-    tick, rest = motion.middle("work"), np.zeros(model.nv)
+def mid_work(reaction: Reaction) -> dict[LoadedJoint, JointLoad]:
+    """What a reaction costs in the middle of its work, the arm being the one that holds the tool, or would."""
+    motion, request = reaction.motion, reaction.key.motion_request()
+    tick, side = motion.middle("work"), tool_hand(request.tool, request.action)
+    runs = runs_of(request.tool, request.action, motion.phases)
+    run = next(run for run in runs if run.start <= tick < run.stop)
+    model = build_human(request.worker, run.right_kg, run.left_kg).model
+    rest = np.zeros(model.nv)
     moving, still = model.createData(), model.createData()
     pin.rnea(model, moving, motion.configuration[tick], motion.velocity[tick], motion.acceleration[tick])
     pin.rnea(model, still, motion.configuration[tick], rest, rest)
     pin.framesForwardKinematics(model, still, motion.configuration[tick])
-    fist = still.oMf[model.getFrameId("right_grip")].translation
-    target = _target(fist, tool_mass_kg)
-    lifting, loads = lifting_torques_nm(motion.torque_nm[tick]), {}
-    for name, compound in _COMPOUND.items():
+    fist = still.oMf[model.getFrameId(f"{side}_grip")].translation
+    target, loads = _target(fist, request.tool.mass_kg), {}
+    for name, right in LOADED.items():
+        joint = right.of_side(side)
+        compound = _COMPOUNDS[joint.compound]
         dofs = [dof.name for dof in compound.degrees_of_freedom]
         first = model.getJointId(dofs[0])
         centre = still.oMf[model.getFrameId(compound.child)].translation
         loads[name] = JointLoad(
-            lifting[name],
+            lifting_torque_nm(joint, motion.torque_nm[tick]),
             float(np.linalg.norm([motion.torque_nm[tick, joint_index(dof)] for dof in dofs])),
             float(np.linalg.norm(moving.f[first].angular)),
             float(np.linalg.norm(still.f[first].angular)),
@@ -134,7 +151,7 @@ def mid_work(human: Human, tool_mass_kg: float, reaction: Reaction) -> dict[Load
 
 
 def _target(fist_m: Vector, tool_mass_kg: float) -> Target | None:
-    """The paper's target the right fist is at with the paper's tool, if it is at one."""
+    """The paper's target a fist is at with the paper's tool, if it is at one."""
     for target in references().targets:
         near = np.linalg.norm(fist_m - np.array(target.position_m)) < AT_TARGET_M
         if near and abs(target.tool_mass_kg - tool_mass_kg) < SAME_MASS_KG:
@@ -142,15 +159,15 @@ def _target(fist_m: Vector, tool_mass_kg: float) -> Target | None:
     return None
 
 
-def reaction_torques(human: Human, tool_mass_kg: float, reactions: Sequence[Reaction]) -> SourcedTable:
-    """Torques of every reaction at mid-work, those at the paper's targets with their bands; `human` holds the tool.
+def reaction_torques(reactions: Sequence[Reaction]) -> SourcedTable:
+    """Torques of every reaction at mid-work, those at the paper's targets with their bands.
 
     The deviations are of the torques together from the moment.
     """
     header = ["reaction", "joint", "lifting torque, N·m", "torques together, N·m", "moment, N·m", "at rest, N·m"]
     table = SourcedTable([*header, "fist in front of the joint, cm", "band, N·m", "verdict"], cited=["plausibility"])
     for reaction in reactions:
-        for name, load in mid_work(human, tool_mass_kg, reaction).items():
+        for name, load in mid_work(reaction).items():
             label, moment, before = f"{reaction.name}, {LOADED[name].label}", load.moment_nm, 100 * load.fist_before_m
             if load.band:
                 off = signed_percent(deviation_from(moment, load.band))

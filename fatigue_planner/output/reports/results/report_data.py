@@ -14,6 +14,7 @@ from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.output.reports.study.finished import FinishedStudy
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
+from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.replay import Course
 from fatigue_planner.study.benchmark.results import Results, courses
 from fatigue_planner.study.benchmark.selection import cells
@@ -27,7 +28,8 @@ class ReportData:
     """An experiment, its reactions and the tables of its results; all else follows from these.
 
     `folder` holds the results, `file` is the experiment's, `commands` make the results and the report again,
-    `study` is a sensitivity study of the experiment.
+    `study` is a sensitivity study of the experiment. `omissions` are sentences on what of the experiment's file is left
+    out, because it cannot be performed.
     """
 
     experiment: Experiment
@@ -37,6 +39,7 @@ class ReportData:
     file: Path
     commands: Sequence[str]
     study: FinishedStudy | None
+    omissions: Sequence[str] = ()
 
     @property
     def policies(self) -> list[str]:
@@ -65,9 +68,14 @@ class ReportData:
         return cycle_profiles(self.experiment, self.reactions)
 
     @cached_property
+    def cells(self) -> list[Cell]:
+        """The cells of the grid."""
+        return cells(self.experiment, self.profiles)
+
+    @cached_property
     def courses(self) -> Mapping[tuple[str, int, str], Sequence[Course]]:
         """Every run lived through again, by condition, number of cycles and policy."""
-        return courses(cells(self.experiment, self.profiles), self.results, self.folder)
+        return courses(self.cells, self.results, self.folder)
 
     @cached_property
     def regret(self) -> pd.DataFrame | None:

@@ -14,7 +14,7 @@ from fatigue_planner.study.statistics.pairing import groups_of
 def actions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """The actions of the longest runs, drawn as a raster."""
     names = list(report_data.experiment.actions)
-    table = raster_table(report_data.results.actions, report_data.longest)
+    table = _counted_in_experiment(raster_table(report_data.results.actions, report_data.longest), report_data)
     caption = (
         f"The action of every cycle in up to {RUNS} runs of {report_data.longest} cycles. A row is a run; the same "
         "row of a condition is the same worker with the same random numbers. A policy with one row is the same in "
@@ -23,6 +23,19 @@ def actions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     figure = raster_figure(table, names, report_data.policies)
     picture = figures.add("actions_taken", figure, table, caption, _shares(table, names))
     return Section("Which action when", [picture])
+
+
+def _counted_in_experiment(table: pd.DataFrame, report_data: ReportData) -> pd.DataFrame:
+    """The table with the actions' numbers in the experiment; a worker may be able to perform only some of them."""
+    order = list(report_data.experiment.actions)
+    numbers = {
+        cell.condition: [order.index(action) for action in cell.scenario.model.actions] for cell in report_data.cells
+    }
+    texts = [
+        " ".join(str(numbers[condition][action]) for action in actions_of(text))
+        for condition, text in zip(table["condition"], table[ACTIONS], strict=True)
+    ]
+    return table.assign(**{ACTIONS: texts})
 
 
 def _shares(table: pd.DataFrame, names: list[str]) -> str:

@@ -31,7 +31,7 @@ def provenance_section(report_data: ReportData, figures: FigureFolder) -> Sectio
             ),
             Table("The versions that made the tables and this page.", ["what", "tables", "page"], versions_used),
             Table("SHA-256 of the files, and digests of the reactions.", ["what", "hash"], hashes, "manifest.json"),
-            Text("The complete configuration:"),
+            Text("The complete configuration of what was run:"),
             Code(configuration),
         ],
     )

@@ -28,11 +28,10 @@ JOINT_OF = {joint.child: joint.name for joint in JOINTS}
 
 def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Pictures of the reactions; for a few of them also their torques and cycle maps as tables."""
-    blocks: list[Block] = [
-        *draw_reactions(
-            figures, report_data.experiment, report_data.reactions, report_data.fatigue, report_data.profiles
-        )
-    ]
+    blocks: list[Block] = [Text(sentence) for sentence in report_data.omissions]
+    blocks += draw_reactions(
+        figures, report_data.experiment, report_data.reactions, report_data.fatigue, report_data.profiles
+    )
     maps = cycle_map_table(report_data)
     file = figures.add_table("cycle_maps", maps)
     if len(report_data.reactions) <= FEW:
@@ -56,6 +55,8 @@ def draw_reactions(
         several = len(experiment.workers) > 1
         suffix, whose = (f"_{worker}", f" of {format_label(worker)}") if several else ("", "")
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
+        if not own:
+            continue
         figure, table = posture_figure(build_human(person), own, parameters[worker])
         caption = f"The reactions{whose} in the middle of the work. The discs show the largest load at each joint."
         pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))

@@ -1,0 +1,79 @@
+"""The cache key of a reaction: everything that decides it, and the digest under which it is found."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, Self
+
+from fatigue_planner.core.files import digest_of, digests_of_package
+from fatigue_planner.core.plugins import OF_PLUGINS, plugin_sources
+from fatigue_planner.core.provenance import versions_of
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.settings import MAX_TICKS
+
+# What produces the numbers of a motion besides its settings: folders and modules of this package.
+SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
+# The QP solvers come with casadi.
+NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
+
+
+@dataclass(frozen=True)
+class ReactionKey:
+    """Everything that decides a reaction.
+
+    settings: of the motion, as plain data, strengths written out; sources: SHA-256 of every file of this package that
+    produces it, and of the plug-ins of its tasks; versions: of the numerical libraries, solvers included. What only
+    decides whether a motion may be used (`Accuracy`) has no part in it.
+    """
+
+    settings: Mapping[str, Any]
+    sources: Mapping[str, str]
+    versions: Mapping[str, str]
+
+    @classmethod
+    def of(cls, motion: MotionRequest) -> Self:
+        """The key of a motion, made by this program with these libraries."""
+        # the name of a strength set, or the path of its file, decides nothing; its values are there
+        worker = motion.worker.model_copy(update={"strength": "see maximum_torque"})
+        parts = vars(motion) | {"worker": worker}
+        of_plugins = plugin_sources(*map(type, motion.preference.tasks))
+        return cls({name: part.plain() for name, part in parts.items()}, sources() | of_plugins, versions())
+
+    def motion_request(self) -> MotionRequest:
+        """The motion it is the key of.
+
+        Raises ValueError, KeyError or TypeError if its settings are not those of a motion of this version.
+        """
+        kinds = {field.name: field.type for field in fields(MotionRequest)}
+        if self.settings.keys() - kinds.keys():
+            raise ValueError("there are others than a motion's")
+        parts = {part: kind.model_validate(self.settings[part]) for part, kind in kinds.items()}  # type: ignore[union-attr]
+        motion = MotionRequest(**parts)
+        if (ticks := motion.cycle.duration_s / motion.controller.time_step_s) > MAX_TICKS:
+            raise ValueError(f"{ticks:.0f} ticks, more than {MAX_TICKS}")
+        return motion
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of all of it, in hex."""
+        return digest_of(self.plain())
+
+    @property
+    def is_current(self) -> bool:
+        """Whether this program, with these libraries and the plug-ins of then, would make such a reaction."""
+        own = {name: sha256 for name, sha256 in self.sources.items() if not name.startswith(OF_PLUGINS)}
+        return (own, self.versions) == (sources(), versions())
+
+    def plain(self) -> dict[str, Any]:
+        """The key as JSON values."""
+        return {"settings": self.settings, "sources": self.sources, "versions": self.versions}
+
+
+def sources() -> dict[str, str]:
+    """SHA-256 of every file of this package that decides the numbers of a motion."""
+    return digests_of_package(*SOURCES)
+
+
+def versions() -> dict[str, str]:
+    """Versions of the libraries that decide the numbers of a motion."""
+    return versions_of(*NUMERICAL_LIBRARIES)
