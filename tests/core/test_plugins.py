@@ -35,9 +35,14 @@ class FirstSettings(fp.PolicySettings):
 
 @pytest.fixture(autouse=True)
 def _forget(monkeypatch: pytest.MonkeyPatch):
-    """No plug-in outlives its test."""
+    """No plug-in outlives its test, nor an earlier test's example of `register`."""
     monkeypatch.setattr(plugins, "_SOURCES", {})
+    forget_kinds()
     yield
+    forget_kinds()
+
+
+def forget_kinds() -> None:
     POLICIES._kinds.clear()
     for kind in KINDS:
         POLICIES.add(kind)
