@@ -249,5 +249,5 @@ def test_a_lookahead_that_never_ends_is_refused(scenarios: dict[str, Scenario]) 
     one = scenarios["single_novice"]
     belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
     check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=8), belief)
-    with pytest.raises(ExperimentError, match=r"benchmark\.policies\.p\.depth = 30: .* so try 1\d or less"):
+    with pytest.raises(ExperimentError, match=r"benchmark\.policies\.p\.depth = 30: .* Try 1\d or less"):
         check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=30), belief)
