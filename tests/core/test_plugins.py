@@ -106,7 +106,7 @@ def test_a_reactions_key_has_the_plug_ins_of_its_tasks(tmp_path: Path) -> None:
         load_plugin(write(tmp_path, text))
         content = read_content(PAPER)
         task = {"kind": "straight", "segment": "thorax", "weight": 1.0}
-        content["preferences"] = {**content["preferences"], "arm": {"tasks": [task]}}
+        content["preferences"] = {**content["preferences"], "arm": {"tasks": (task,)}}
         requests = reaction_requests(parse_experiment(content, "mine.yaml"))
         keys.append({request.name.preference: request.key for request in requests})
     (before, after), back = [key["arm"] for key in keys], keys[0]["back"]
