@@ -139,7 +139,8 @@ def simulate(experiment: Experiment, cache: str | Path = "cache", jobs: int | No
 def scenario(experiment: Experiment, reactions: Mapping[str, Reaction], condition: str | None = None) -> Scenario:
     """The POMDP of a condition of the experiment's benchmark, by default the first.
 
-    Raises SelectionError for an unknown condition.
+    Its actions are those that the worker can perform with every preference. Raises SelectionError for an unknown
+    condition, FailedMotionError if its worker can perform no action.
 
     >>> scenario = fp.scenario(experiment, reactions, "single_novice")
     >>> scenario.model.actions, scenario.model.outcomes

@@ -90,9 +90,8 @@ def benchmark(
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     asked = selected(settings, wanted)
     profiles = load_cycle_profiles(asked, cache, command_line("simulate", experiment, cache))
-    left_out = omissions(asked, profiles)
+    grid, left_out = without_infeasible(asked, profiles), omissions(asked, profiles)
     warn(left_out)
-    grid = without_infeasible(asked, profiles)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:

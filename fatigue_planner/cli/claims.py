@@ -69,11 +69,11 @@ def claims(
     experiment = selected(loaded.experiment, wanted)
     folder = folder or results / (experiment.name + wanted.suffix())
     command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results, wanted)
-    about = loaded.about(experiment.benchmark)
+    tables = load_results(experiment, folder, command)
+    about = loaded.about(tables.note.grid)
     left_out = [name for name in loaded.claims if name not in about]
     if not about:
         raise SelectionError(f"{claims}: every claim is about more than the grid that was run.")
-    tables = load_results(experiment, folder, command)
     found = evaluate(about, tables.trials, tables.contrasts, experiment.statistics, tables.bounds)
     publish_csv(folder / CLAIMS_FILE, found.claims)
     publish_csv(folder / DETAIL_FILE, found.detail)

@@ -107,8 +107,8 @@ def _draw(
     from fatigue_planner.study.benchmark.results import load_results
 
     profiles = cycle_profiles(settings, reactions)
-    warn(omissions(settings, profiles))
     feasible = without_infeasible(settings, profiles)
+    warn(omissions(settings, profiles))
     if feasible.figures:
         tables = load_results(settings, figures.folder, benchmark)
         draw_returns(figures, feasible, tables.comparison)
@@ -141,7 +141,7 @@ def _write_page(
     shown = [simulate, f"{benchmark}{tables.options}", *(["fatplan sensitivity"] if study else []), own]
     path = folder / REPORT_FILE
     profiles = cycle_profiles(settings, reactions)
-    left_out, feasible = omissions(settings, profiles), without_infeasible(settings, profiles)
+    feasible, left_out = without_infeasible(settings, profiles), omissions(settings, profiles)
     warn(left_out)
     report_data = ReportData(feasible, reactions, tables, folder, find_shipped(file), shown, study, left_out)
     publish_text(path, report_page(report_data, figures))

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.benchmark_settings import Condition
 from fatigue_planner.experiment.feasibility import performable_actions
 from fatigue_planner.experiment.schema import Experiment
@@ -79,9 +80,14 @@ def cycle_profiles(
 
 
 def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Scenario:
-    """The POMDP of a condition, where it starts and what is hidden; its actions are those of `performable_actions`."""
+    """The POMDP of a condition, where it starts and what is hidden; its actions are those of `performable_actions`.
+
+    Raises FailedMotionError if there are none.
+    """
     worker = experiment.worker_of(condition)
     actions = performable_actions(experiment, worker, profiles)
+    if not actions:
+        raise FailedMotionError(f"{worker} can perform no action with every preference; see the reactions' failures.")
     own = {
         (name.action, name.preference): profile
         for name, profile in profiles.items()

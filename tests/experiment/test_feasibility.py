@@ -33,8 +33,9 @@ def named(*names: str) -> set[ReactionName]:
 def test_an_action_is_left_if_it_can_be_performed_with_every_preference(
     two: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:
-    others = tuple(replace(one, name=one.name._replace(worker="other")) for one in reactions)
-    profiles = cycle_profiles(two, (*reactions, *(one for one in others if one.name[1:] != ("high", "back"))))
+    others = [replace(reaction, name=reaction.name._replace(worker="other")) for reaction in reactions]
+    others = [reaction for reaction in others if reaction.name[1:] != ("high", "back")]
+    profiles = cycle_profiles(two, (*reactions, *others))
     conditions = two.benchmark.conditions
     assert scenario(two, profiles, conditions["single_novice"]).model.actions == ("high", "low")
     assert scenario(two, profiles, conditions["single_expert"]).model.actions == ("low",)
@@ -52,6 +53,8 @@ def test_a_condition_without_actions_is_left_out_everywhere(two: Experiment) -> 
     assert omissions(two, performed)[-1] == (
         "Condition single_expert is left out: other can perform no action with every preference."
     )
+    with pytest.raises(FailedMotionError, match="other can perform no action"):
+        scenario(two, {}, two.benchmark.conditions["single_expert"])
     with pytest.raises(FailedMotionError, match=r"no condition can be run\. average_man cannot perform high \("):
         without_infeasible(two, set())
 

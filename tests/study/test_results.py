@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from conftest import PAPER
 from published import COMMAND, publish, seal
 
 from fatigue_planner.core.errors import DamagedFileError, FatplanError, MissingTableError, StaleTableError
@@ -15,9 +16,17 @@ from fatigue_planner.experiment.build import cycle_profiles
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
-from fatigue_planner.study.benchmark.results import CONTRASTS_FILE, courses, keep_or_remove, load_folder, load_results
+from fatigue_planner.study.benchmark.results import (
+    CONTRASTS_FILE,
+    BenchmarkNote,
+    courses,
+    keep_or_remove,
+    load_folder,
+    load_results,
+)
 from fatigue_planner.study.benchmark.selection import Selection, cells, selected
 from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, KEY, REGRET_FILE, TRIALS_FILE, publish_table
+from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.statistics.comparison import comparison_table
 from fatigue_planner.study.statistics.contrasts import contrasts
 
@@ -54,6 +63,18 @@ def test_courses_come_to_the_returns_of_the_table(
     assert {key: len(runs) for key, runs in found.items()} == {
         (cell.condition, 5, cell.policy): len(cell.trial_numbers()) for cell in grid
     }
+
+
+def test_claims_about_conditions_that_could_not_be_run_are_not_judged(folder: Path) -> None:
+    entry = json.loads((folder / "manifest.json").read_text())["benchmark"]
+    del entry["actions"]["single_expert"]
+    grid = BenchmarkNote.model_validate(entry).grid
+    assert set(grid.conditions) == {"single_novice", "multiple_novice"}
+    claims = load_claims(PAPER.parent / "paper_claims.yaml")
+    wide = grid.model_copy(update={"n_cycles": (5, 20, 100), "policies": claims.experiment.benchmark.policies})
+    assert {condition for claim in claims.about(wide).values() for condition in claim.conditions} == set(
+        grid.conditions
+    )
 
 
 @pytest.mark.parametrize(

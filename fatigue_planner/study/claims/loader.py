@@ -13,6 +13,7 @@ from fatigue_planner.experiment.benchmark_settings import Benchmark
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.study.benchmark.results import NotedGrid
 from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Claim, ClaimsFile
 
@@ -25,7 +26,7 @@ class Claims:
     experiment: Experiment
     experiment_file: Path
 
-    def about(self, grid: Benchmark) -> dict[str, Claim]:
+    def about(self, grid: Benchmark | NotedGrid) -> dict[str, Claim]:
         """The claims that speak only of conditions, numbers of cycles and policies that a grid has."""
         return {
             name: claim
