@@ -24,10 +24,10 @@ from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.estimate import decisions_left, estimated_seconds
 from fatigue_planner.study.benchmark.selection import cells
-from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.evaluation import Judgements
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.claims.relations import ClaimJudgement
+from fatigue_planner.study.claims.schema import Answer
 from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.design import Point, design
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings

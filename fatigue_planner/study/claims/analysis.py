@@ -9,8 +9,8 @@ import math
 from dataclasses import dataclass
 
 from fatigue_planner.experiment.statistics_settings import POWER
-from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.measurements import MeasuredPair, Measurements
+from fatigue_planner.study.claims.schema import Answer
 from fatigue_planner.study.statistics.multiple_testing import Pair
 
 # An answer, its reason in words, and how much the difference speaks against the statement, as a fraction of the cost

@@ -8,11 +8,10 @@ import pandas as pd
 
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.claims.analysis import Analysis
-from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.headroom import Headrooms
 from fatigue_planner.study.claims.measurements import Measurements
 from fatigue_planner.study.claims.relations import RELATIONS, ClaimJudgement, PairJudgement
-from fatigue_planner.study.claims.schema import Claim
+from fatigue_planner.study.claims.schema import Answer, Claim
 
 CLAIMS_FILE = "claims.csv"
 DETAIL_FILE = "claims_detail.csv"

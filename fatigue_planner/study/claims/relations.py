@@ -8,9 +8,8 @@ from itertools import combinations, permutations
 import numpy as np
 
 from fatigue_planner.study.claims.analysis import Analysis, Reply
-from fatigue_planner.study.claims.answers import Answer, all_of, any_of
 from fatigue_planner.study.claims.measurements import MeasuredPair
-from fatigue_planner.study.claims.schema import Claim
+from fatigue_planner.study.claims.schema import Answer, Claim, all_of, any_of
 from fatigue_planner.study.statistics.multiple_testing import Pair
 
 

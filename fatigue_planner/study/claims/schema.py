@@ -1,5 +1,10 @@
-"""The content of a file of claims."""
+"""The content of a file of claims, and what can be answered to one.
 
+Answers have three values (Kleene's strong logic): what is undetermined stays so unless the rest decides.
+"""
+
+from collections.abc import Iterable
+from enum import Enum
 from typing import Annotated
 
 from pydantic import Field
@@ -37,3 +42,31 @@ class ClaimsFile(Settings):
 
     experiment: Text = Field(max_length=1000, description="The experiment's file, relative to the folder of this file.")
     claims: dict[Name, Claim] = Field(min_length=1, description="The claims by name.")
+
+
+class Answer(Enum):
+    """Whether a statement holds."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
+    OPEN = "undetermined"
+
+    @property
+    def verdict(self) -> str:
+        """What is said of a claim with this answer."""
+        return {Answer.HOLDS: "reproduced", Answer.FAILS: "not reproduced", Answer.OPEN: "undetermined"}[self]
+
+
+VERDICTS = tuple(answer.verdict for answer in Answer)
+
+
+def all_of(answers: Iterable[Answer]) -> Answer:
+    """Whether all hold: one that fails decides, else one that is open; holds for no answers."""
+    given = set(answers)
+    return next((answer for answer in (Answer.FAILS, Answer.OPEN) if answer in given), Answer.HOLDS)
+
+
+def any_of(answers: Iterable[Answer]) -> Answer:
+    """Whether any holds: one that holds decides, else one that is open; fails for no answers."""
+    given = set(answers)
+    return next((answer for answer in (Answer.HOLDS, Answer.OPEN) if answer in given), Answer.FAILS)

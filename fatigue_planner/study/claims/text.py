@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from fatigue_planner.study.claims.answers import VERDICTS
+from fatigue_planner.study.claims.schema import VERDICTS
 
 INDENT = "    "
 

@@ -4,9 +4,9 @@ from collections.abc import Callable, Mapping
 
 import pandas as pd
 
-from fatigue_planner.study.claims.answers import Answer
 from fatigue_planner.study.claims.evaluation import Judgements, judge_claims
 from fatigue_planner.study.claims.loader import Claims
+from fatigue_planner.study.claims.schema import Answer
 from fatigue_planner.study.statistics.contrasts import contrasts
 
 # No verdict depends on resampling, so the smallest allowed number is enough.

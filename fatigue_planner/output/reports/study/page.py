@@ -10,7 +10,7 @@ from fatigue_planner.output.figures.style import Picture
 from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
-from fatigue_planner.study.claims.answers import VERDICTS
+from fatigue_planner.study.claims.schema import VERDICTS
 from fatigue_planner.study.sensitivity.conclusions import at_headline
 from fatigue_planner.study.sensitivity.robustness import ANALYSES
 from fatigue_planner.study.statistics.pairing import records

@@ -4,8 +4,8 @@ from fatigue_planner.core.text import counted, listing
 from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.html.blocks import Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.study.claims.answers import VERDICTS
 from fatigue_planner.study.claims.evaluation import Evaluation
+from fatigue_planner.study.claims.schema import VERDICTS
 from fatigue_planner.study.statistics.pairing import records
 
 
