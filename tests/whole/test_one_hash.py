@@ -69,9 +69,9 @@ def to_the_end(process: subprocess.Popen[str]) -> None:
 
 
 def hash_of(folder: Path) -> str:
-    """Of all reactions and all tables but the times."""
+    """Of all reactions and all tables but the times; what a killed run had not finished has a hidden name."""
     files = sorted([*folder.glob("cache/*.h5"), *folder.glob("results/small/*.*")])
-    named = [path for path in files if path.name != "planning_times.csv"]
+    named = [path for path in files if path.name != "planning_times.csv" and not path.name.startswith(".")]
     assert len([path for path in named if path.suffix == ".h5"]) == 4
     tables = {"trials.csv", "actions.csv", "contrasts.csv", "regret.csv", "bounds.csv", "summary.txt", "manifest.json"}
     assert tables <= {path.name for path in named}
