@@ -143,6 +143,6 @@ def _write_page(
     profiles = cycle_profiles(settings, reactions)
     feasible, left_out = without_infeasible(settings, profiles), omissions(settings, profiles)
     warn(left_out)
-    report_data = ReportData(feasible, reactions, tables, folder, find_shipped(file), shown, study, left_out)
+    report_data = ReportData(feasible, reactions, profiles, tables, folder, find_shipped(file), shown, study, left_out)
     publish_text(path, report_page(report_data, figures))
     return path

@@ -72,7 +72,9 @@ def report_data(
     experiment: Experiment, reactions: tuple[Reaction, ...], folder: Path, file: Path = UNCLAIMED
 ) -> ReportData:
     tables = load_results(experiment, folder, COMMAND)
-    return ReportData(experiment, reactions, tables, folder, file, ["fatplan simulate", "fatplan report"], None)
+    profiles = cycle_profiles(experiment, reactions)
+    commands = ["fatplan simulate", "fatplan report"]
+    return ReportData(experiment, reactions, profiles, tables, folder, file, commands, None)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from fatigue_planner.core.errors import ClaimsError
-from fatigue_planner.experiment.build import cycle_profiles, worker_fatigue
+from fatigue_planner.experiment.build import worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
@@ -25,7 +25,7 @@ from fatigue_planner.study.statistics.regret import regret_table
 
 @dataclass(frozen=True)
 class ReportData:
-    """An experiment, its reactions and the tables of its results; all else follows from these.
+    """An experiment, its reactions, what a cycle of each does to fatigue (`profiles`), and the tables of its results.
 
     `folder` holds the results, `file` is the experiment's, `commands` make the results and the report again,
     `study` is a sensitivity study of the experiment. `omissions` are sentences on what of the experiment's file is left
@@ -34,6 +34,7 @@ class ReportData:
 
     experiment: Experiment
     reactions: Sequence[Reaction]
+    profiles: Mapping[ReactionName, CycleProfile]
     results: Results
     folder: Path
     file: Path
@@ -61,11 +62,6 @@ class ReportData:
     def fatigue(self) -> dict[str, FatigueParameters]:
         """The fatigue parameters of every worker."""
         return worker_fatigue(self.experiment)
-
-    @cached_property
-    def profiles(self) -> dict[ReactionName, CycleProfile]:
-        """What one cycle of every reaction does to fatigue."""
-        return cycle_profiles(self.experiment, self.reactions)
 
     @cached_property
     def cells(self) -> list[Cell]:
