@@ -7,28 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from fatigue_planner.cli.options import (
-    ALL_CORES,
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    Conditions,
-    Cycles,
-    Dask,
-    Descents,
-    ExperimentFile,
-    Jobs,
-    Json,
-    Plugins,
-    Policies,
-    ResultsFolder,
-    Seed,
-    Trials,
-    command_line,
-    executor_of,
-    present,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 
 if TYPE_CHECKING:
@@ -49,13 +28,13 @@ T = TypeVar("T")
 
 
 def benchmark(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cycles: Cycles = None,
-    conditions: Conditions = None,
-    policies: Policies = None,
-    trials: Trials = None,
-    descents: Descents = None,
-    seed: Seed = None,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
+    cycles: options.Cycles = None,
+    conditions: options.Conditions = None,
+    policies: options.Policies = None,
+    trials: options.Trials = None,
+    descents: options.Descents = None,
+    seed: options.Seed = None,
     regret: Annotated[
         bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
     ] = False,
@@ -66,12 +45,12 @@ def benchmark(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only say what would be run and about how long it takes.")
     ] = False,
-    jobs: Jobs = ALL_CORES,
-    dask: Dask = None,
-    cache: CacheFolder = DEFAULT_CACHE,
-    results: ResultsFolder = DEFAULT_RESULTS,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    jobs: options.Jobs = options.ALL_CORES,
+    dask: options.Dask = None,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Run every policy of an EXPERIMENT in every condition and compare their returns.
 
@@ -89,16 +68,16 @@ def benchmark(
     settings, content = load_experiment(experiment), find_shipped(experiment).read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     asked = selected(settings, wanted)
-    profiles = load_cycle_profiles(asked, cache, command_line("simulate", experiment, cache))
+    profiles = load_cycle_profiles(asked, cache, options.command_line("simulate", experiment, cache))
     grid, left_out = without_infeasible(asked, profiles), omissions(asked, profiles)
     warn(left_out)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:
         plan = _plan(grid, grid_cells, store, jobs)
-        present(plan, _plan_text(plan), as_json)
+        options.present(plan, _plan_text(plan), as_json)
         return
-    executor = executor_of(jobs, dask)
+    executor = options.executor_of(jobs, dask)
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
@@ -109,7 +88,7 @@ def benchmark(
     document, text = _publish(
         folder, asked, wanted, grid.statistics, left_out, grid_cells, done, judges, losses, bounds
     )
-    present(document, text, as_json)
+    options.present(document, text, as_json)
 
 
 def _publish(

@@ -7,24 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fatigue_planner.cli.options import (
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    Conditions,
-    Cycles,
-    Descents,
-    Json,
-    Plugins,
-    Policies,
-    ResultsFolder,
-    Seed,
-    Trials,
-    command_line,
-    present,
-    source_of,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import warn
 
 if TYPE_CHECKING:
@@ -36,21 +19,21 @@ if TYPE_CHECKING:
 def report(
     experiment: Annotated[
         Path, typer.Argument(metavar="EXPERIMENT", help="The experiment file (YAML), or a folder of its results.")
-    ] = DEFAULT_EXPERIMENT,
-    cycles: Cycles = None,
-    conditions: Conditions = None,
-    policies: Policies = None,
-    trials: Trials = None,
-    descents: Descents = None,
-    seed: Seed = None,
+    ] = options.DEFAULT_EXPERIMENT,
+    cycles: options.Cycles = None,
+    conditions: options.Conditions = None,
+    policies: options.Policies = None,
+    trials: options.Trials = None,
+    descents: options.Descents = None,
+    seed: options.Seed = None,
     figures_only: Annotated[
         bool,
         typer.Option("--figures-only", help="Only draw the figures of returns and reactions, without the page."),
     ] = False,
-    cache: CacheFolder = DEFAULT_CACHE,
-    results: ResultsFolder = DEFAULT_RESULTS,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Write one page (HTML) with all results of an EXPERIMENT, its figures and tables; it opens offline and prints.
 
@@ -66,18 +49,18 @@ def report(
     begin = time.perf_counter()
     file, wanted = experiment, Selection(cycles, conditions, policies, trials, descents, seed)
     if experiment.is_dir():
-        results, own = experiment.parent, command_line("report", experiment, cache)
-        file, wanted = source_of(experiment, wanted)
+        results, own = experiment.parent, options.command_line("report", experiment, cache)
+        file, wanted = options.source_of(experiment, wanted)
     else:
-        own = command_line("report", experiment, cache, results, wanted)
+        own = options.command_line("report", experiment, cache, results, wanted)
     settings = selected(load_experiment(file), wanted)
     folder = experiment if experiment.is_dir() else results / (settings.name + wanted.suffix())
     from fatigue_planner.core.provenance import publish_manifest
     from fatigue_planner.output.figures.style import FigureFolder
     from fatigue_planner.reactions.reaction import digests
 
-    simulate = command_line("simulate", file, cache)
-    benchmark = command_line("benchmark", file, cache, results, wanted)
+    simulate = options.command_line("simulate", file, cache)
+    benchmark = options.command_line("benchmark", file, cache, results, wanted)
     reactions = load_reactions(settings, cache, simulate)
     figures = FigureFolder(folder)
     if figures_only:
@@ -92,7 +75,7 @@ def report(
         )
     note = {"reactions": digests(reaction_requests(settings))}
     hashes = publish_manifest(figures.folder, "figures" if figures_only else "report", note, files)
-    present({"folder": figures.folder, "files": hashes}, text, as_json)
+    options.present({"folder": figures.folder, "files": hashes}, text, as_json)
 
 
 def _draw(
