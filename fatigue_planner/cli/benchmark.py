@@ -9,6 +9,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -205,7 +206,6 @@ def _plan(experiment: "Experiment", grid: "Sequence[Cell]", store: Path, jobs: i
 
 
 def _plan_text(plan: Mapping[str, Any]) -> str:
-    from fatigue_planner.core.text import counted
     from fatigue_planner.study.benchmark.estimate import duration_text
 
     lines = [

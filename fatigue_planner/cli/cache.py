@@ -11,6 +11,7 @@ from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.errors import ExitCode, MissingReactionsError
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.reactions.cache import ReactionCache
@@ -53,7 +54,7 @@ def list_(cache: options.CacheFolder = options.DEFAULT_CACHE, as_json: options.J
     ]
     lines += [f"  {file['reason']}" for file in unreadable]
     lines.append(
-        f"{cache}: {_counted(len(found.current), 'reaction')}, {len(found.other) + len(found.unreadable)} of other "
+        f"{cache}: {counted(len(found.current), 'reaction')}, {len(found.other) + len(found.unreadable)} of other "
         f"versions, {len(found.damaged)} damaged; {_megabytes(size_bytes)}."
     )
     document = {"folder": cache, "reactions": reactions, "unreadable": unreadable, "size_bytes": size_bytes}
@@ -103,7 +104,7 @@ def verify(
         for reaction in reactions
     ]
     lines.append(
-        f"{cache}: {_counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
+        f"{cache}: {counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
         f"{counts['failed']} failed, {counts['damaged']} damaged, {counts['other version']} of other versions, not "
         "checked."
     )
@@ -154,7 +155,7 @@ def why(
     lines = [line for miss in misses for line in _reasons(miss)]
     lines += [f"Damaged, and so not found: {reason}" for reason in damaged]
     rest = f" `{options.command_line('simulate', experiment, cache)}` simulates the others." if misses else ""
-    lines.append(f"{cache}: {found} of {_counted(len(requests), 'reaction')} are there.{rest}")
+    lines.append(f"{cache}: {found} of {counted(len(requests), 'reaction')} are there.{rest}")
     options.present(document, "\n".join(lines), as_json)
 
 
@@ -180,7 +181,7 @@ def gc(
     lines = [f"  {file.path.name}: {file.reason} ({_megabytes(file.size_bytes)})" for file in files]
     done = "deleted" if delete else "can go; `fatplan cache gc --delete` deletes them" if files else "can go"
     size = _megabytes(sum(file.size_bytes for file in files))
-    lines.append(f"{cache}: {_counted(len(files), 'file')} of {size} {done}.")
+    lines.append(f"{cache}: {counted(len(files), 'file')} of {size} {done}.")
     listed = [{"file": file.path.name, "reason": file.reason, "size_bytes": file.size_bytes} for file in files]
     options.present({"folder": cache, "files": listed, "deleted": delete}, "\n".join(lines), as_json)
 
@@ -203,7 +204,7 @@ def export(
     n = export_archive(ReactionCache(cache), requests, bundle, options.command_line("simulate", experiment, cache))
     size_bytes = bundle.stat().st_size
     document = {"file": bundle, "reactions": n, "size_bytes": size_bytes}
-    options.present(document, f"{bundle}: {_counted(n, 'reaction')}, {_megabytes(size_bytes)}.", as_json)
+    options.present(document, f"{bundle}: {counted(n, 'reaction')}, {_megabytes(size_bytes)}.", as_json)
 
 
 @app.command("import", epilog=options.EXIT_CODES)
@@ -261,12 +262,6 @@ def _difference_text(difference: "Difference") -> str:
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value)
     return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}…"
-
-
-def _counted(number: int, what: str) -> str:
-    from fatigue_planner.core.text import counted
-
-    return counted(number, what)
 
 
 def _megabytes(size_bytes: int) -> str:

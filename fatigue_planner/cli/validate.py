@@ -9,6 +9,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -111,8 +112,6 @@ def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], st
 
 
 def _size(experiment: "Experiment") -> str:
-    from fatigue_planner.core.text import counted
-
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)
     cells = len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)
