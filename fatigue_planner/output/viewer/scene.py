@@ -13,8 +13,8 @@ from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import BODIES, JOINTS, SIDES
 from fatigue_planner.motion.minimum_jerk import Pose
+from fatigue_planner.output.viewer.body_shapes import body_shapes
 from fatigue_planner.output.viewer.motion_clip import Instant, MotionClip
-from fatigue_planner.output.viewer.skin import make_skin
 
 Vector = NDArray[np.float64]
 Colour = tuple[int, int, int]
@@ -52,10 +52,8 @@ class Scene:
             "/ground", 4.0, 4.0, cell_size=0.25, section_size=1.0, plane_color=(246, 246, 244), plane_opacity=1.0,
             cell_color=(225, 225, 225), section_color=(190, 190, 190), shadow_opacity=0.2,
         )  # fmt: skip
-        self._bodies: dict[Anthropometry, viser.MeshSkinnedHandle] = {}
-        for clip in clips:
-            if clip.human.anthropometry not in self._bodies:
-                self._bodies[clip.human.anthropometry] = self._add_body(clip.human)
+        workers = dict.fromkeys(clip.human.anthropometry for clip in clips)
+        self._people = {worker: self._add_person(f"/people/{i}", worker) for i, worker in enumerate(workers)}
         self._joints = [
             scene.add_icosphere(f"/joints/{joint.name}", 0.019 * stature, color=load_colour(0), cast_shadow=False)
             for joint in JOINTS
@@ -86,11 +84,12 @@ class Scene:
     def show(self, clip: MotionClip, tick: int) -> None:
         """Show an instant of a clip."""
         instant = clip.instant(tick)
-        body = self._bodies[clip.human.anthropometry]
-        for other in self._bodies.values():
-            other.visible = other is body
-        for bone, position, rotation in zip(body.bones, instant.positions, instant.rotations, strict=True):
-            bone.position, bone.wxyz = _rounded(position), _quaternion(rotation)
+        for worker, person in self._people.items():
+            for body in person:
+                body.visible = worker == clip.human.anthropometry
+        person = self._people[clip.human.anthropometry]
+        for body, position, rotation in zip(person, instant.positions, instant.rotations, strict=True):
+            body.position, body.wxyz = _rounded(position), _quaternion(rotation)
         for handle, joint in zip(self._joints, JOINTS, strict=True):
             handle.position = _rounded(instant.positions[BODIES.index(joint.child)])
             handle.color = load_colour(instant.joint_share[joint.name])
@@ -105,13 +104,15 @@ class Scene:
         time = tick * clip.motion.time_step_s
         self._label.text = f"{clip.title}: {clip.phase(tick)}, {time:.1f} s"
 
-    def _add_body(self, human: Human) -> viser.MeshSkinnedHandle:
-        skin = make_skin(human)
-        return self._scene.add_mesh_skinned(
-            f"/people/{len(self._bodies)}", skin.vertices, skin.faces, bone_positions=skin.positions,
-            bone_wxyzs=np.array([_quaternion(rotation) for rotation in skin.rotations]), skin_weights=skin.weights,
-            color=BODY, opacity=OPACITY, visible=False,
-        )  # fmt: skip
+    def _add_person(self, name: str, worker: Anthropometry) -> list[viser.MeshHandle]:
+        """A mesh for each of `BODIES`."""
+        shapes = body_shapes(worker)
+        return [
+            self._scene.add_mesh_simple(
+                f"{name}/{body}", shapes[body].vertices, shapes[body].faces, color=BODY, opacity=OPACITY
+            )
+            for body in BODIES
+        ]
 
 
 def force_arrows(instant: Instant) -> NDArray[np.float32]:
