@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fatigue_planner.cli import options
-from fatigue_planner.cli.progress import progress, warn
+from fatigue_planner.cli.progress import run_jobs, warn
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
@@ -19,13 +19,10 @@ if TYPE_CHECKING:
     from fatigue_planner.experiment.statistics_settings import StatisticsSettings
     from fatigue_planner.planners.lookahead import ReferenceSettings
     from fatigue_planner.study.benchmark.cell import Cell
-    from fatigue_planner.study.benchmark.job import Job
     from fatigue_planner.study.benchmark.selection import Selection
     from fatigue_planner.study.benchmark.trial import TrialResult
 
 SUMMARY_FILE = "summary.txt"
-
-T = TypeVar("T")
 
 
 def benchmark(
@@ -63,6 +60,7 @@ def benchmark(
     from fatigue_planner.experiment.build import load_cycle_profiles
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.study.benchmark.bounds import bound_jobs, bound_rows
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 
@@ -82,9 +80,13 @@ def benchmark(
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
-    done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
+    done = run_jobs(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
     losses = _measure_regret(grid_cells, done, judges, store, executor) if regret else None
-    bounds = _run_bounds(grid_cells, results / settings.name / "bounds", executor) if bound else None
+    bounds = None
+    if bound:
+        asked_bounds, bound_store = bound_jobs(grid_cells), writable_folder(results / settings.name / "bounds")
+        found = run_jobs(asked_bounds, bound_store, executor, "Bounding the least cost", "bounds")
+        bounds = bound_rows(asked_bounds, found)
     publish_bytes(folder / EXPERIMENT_FILE, content)
     document, text = _publish(
         folder, asked, wanted, grid.statistics, left_out, grid_cells, done, judges, losses, bounds
@@ -233,26 +235,4 @@ def _measure_regret(
         RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
-    return regret_rows(grid, _run(judgements, store, executor, "Measuring regret", "judged runs"))
-
-
-def _run_bounds(cells: "Sequence[Cell]", store: Path, executor: "Executor") -> "pd.DataFrame":
-    from fatigue_planner.core.files import writable_folder
-    from fatigue_planner.study.benchmark.bounds import run_bounds
-
-    known = {(cell.condition, cell.n_cycles) for cell in cells if cell.scenario.prior is None}
-    with progress("Bounding the least cost", len(known), kept=("bounds", store)) as counter:
-        bounds, warnings = run_bounds(cells, writable_folder(store), executor, counter.advance)
-    warn(warnings)
-    return bounds
-
-
-def _run(grid: "Sequence[Job[T]]", store: Path, executor: "Executor", title: str, what: str) -> list[dict[int, T]]:
-    from fatigue_planner.study.benchmark.runner import run_grid
-
-    runs = sum(len(job.trial_numbers()) for job in grid)
-    effort = sum(len(job.trial_numbers()) * job.effort for job in grid)
-    with progress(title, runs, effort, kept=(what, store)) as counter:
-        done, warnings = run_grid(grid, store, executor, lambda job, n: counter.advance(n, n * job.effort))
-    warn(warnings)
-    return done
+    return regret_rows(grid, run_jobs(judgements, store, executor, "Measuring regret", "judged runs"))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fatigue_planner.cli import options
-from fatigue_planner.cli.progress import progress, talk, warn
+from fatigue_planner.cli.progress import progress, run_jobs, talk, warn
 from fatigue_planner.core.errors import ExperimentError
 
 if TYPE_CHECKING:
@@ -85,12 +85,7 @@ def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Ma
     console.print(
         f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with {executor.workers} workers."
     )
-    runs = sum(len(cell.trial_numbers()) for cell in grid.cells)
-    effort = sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells)
-    with progress("Decisions", runs, effort, kept=("runs", store)) as counter:
-        trials, warnings = grid.run(store, executor, lambda job, n: counter.advance(n, n * job.effort))
-    warn(warnings)
-    return trials
+    return grid.tables(run_jobs(grid.cells, store, executor, "Decisions", "runs"))
 
 
 def _publish(

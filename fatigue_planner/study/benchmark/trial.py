@@ -1,7 +1,7 @@
 """One run of the task: a policy against the generative model, driven by the trial's common random numbers."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,13 +14,16 @@ from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What a run came to, and the number of the action of every cycle. Times are wall-clock seconds per decision."""
+    """What a run came to, and the number of the action of every cycle.
+
+    Times are wall-clock seconds per decision, which are never the same twice.
+    """
 
     discounted_return: float
     final_cost: float
     peak_cost: float
-    mean_planning_time_s: float
-    longest_planning_time_s: float
+    mean_planning_time_s: float = field(compare=False)
+    longest_planning_time_s: float = field(compare=False)
     actions: tuple[int, ...]
 
 

@@ -1,14 +1,10 @@
-"""The runs of all points in a single grid: in parallel, resumable, with cells that points share run once."""
+"""The runs of all points in a single grid, with cells that points share run once."""
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.job import Job
-from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells
 from fatigue_planner.study.benchmark.tables import ACTIONS, TIMES, trial_table
 from fatigue_planner.study.benchmark.trial import TrialResult
@@ -36,16 +32,10 @@ class StudyGrid:
                     self.cells.append(cell)
                 self.of_point.setdefault(result.point.name, []).append(indices[digest])
 
-    def run(
-        self, store: Path, executor: Executor, progress: Callable[[Job[TrialResult], int], None]
-    ) -> tuple[Mapping[str, pd.DataFrame], list[str]]:
-        """The trials of every point, as `benchmark.tables.trial_table` without times; warnings about damaged files.
-
-        `progress` and the errors raised are those of `benchmark.runner.run_grid`.
-        """
-        results, warnings = run_grid(self.cells, store, executor, progress)
+    def tables(self, results: Sequence[dict[int, TrialResult]]) -> Mapping[str, pd.DataFrame]:
+        """The trials of every point, as `benchmark.tables.trial_table` without times, from the results of the cells."""
         tables = {
             point: trial_table([self.cells[index] for index in indices], [results[index] for index in indices])
             for point, indices in self.of_point.items()
         }
-        return {point: table.drop(columns=[ACTIONS, *TIMES]) for point, table in tables.items()}, warnings
+        return {point: table.drop(columns=[ACTIONS, *TIMES]) for point, table in tables.items()}
