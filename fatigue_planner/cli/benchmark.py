@@ -119,7 +119,7 @@ def _publish(
     from fatigue_planner.study.benchmark import results, tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds
     from fatigue_planner.study.statistics.comparison import summary_text
-    from fatigue_planner.study.statistics.contrast_text import contrast_text
+    from fatigue_planner.study.statistics.contrast import contrast_text
     from fatigue_planner.study.statistics.pairing import records
     from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 

@@ -15,8 +15,7 @@ from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.cache_miss import Difference, Miss
-    from fatigue_planner.reactions.housekeeping import Contents
+    from fatigue_planner.reactions.contents import Contents, Difference, Miss
 
 app = typer.Typer(name="cache", help="List, check, explain, clean and move stored reactions.", no_args_is_help=True)
 
@@ -130,7 +129,7 @@ def why(
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.cache_miss import explain
+    from fatigue_planner.reactions.contents import explain
 
     requests = reaction_requests(load_experiment(experiment))
     stored = _contents(ReactionCache(cache))
@@ -171,7 +170,7 @@ def gc(
     what killed runs have left behind. A reaction that this version can find is never deleted.
     """
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.housekeeping import useless
+    from fatigue_planner.reactions.contents import useless
 
     store = ReactionCache(cache)
     files = useless(store, _contents(store))
@@ -238,7 +237,7 @@ def import_(
 
 
 def _contents(store: "ReactionCache") -> "Contents":
-    from fatigue_planner.reactions.housekeeping import contents
+    from fatigue_planner.reactions.contents import contents
 
     with progress("Reading the cache", len(store.files())) as counter:
         return contents(store, counter.advance)

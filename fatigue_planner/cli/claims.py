@@ -41,10 +41,9 @@ def claims(
     from fatigue_planner.study.benchmark.results import load_results
     from fatigue_planner.study.benchmark.selection import Selection, selected
     from fatigue_planner.study.benchmark.tables import TRIALS_FILE
-    from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, evaluate
+    from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, claims_text, evaluate
     from fatigue_planner.study.claims.loader import load_claims
     from fatigue_planner.study.claims.schema import VERDICTS
-    from fatigue_planner.study.claims.text import claims_text
     from fatigue_planner.study.statistics.pairing import records
 
     loaded = load_claims(claims)

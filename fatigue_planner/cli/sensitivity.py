@@ -76,7 +76,7 @@ def _react(
 
 def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Mapping[str, pd.DataFrame]":
     from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
-    from fatigue_planner.study.sensitivity.run import StudyGrid
+    from fatigue_planner.study.sensitivity.tables import StudyGrid
 
     console = talk()
     grid = StudyGrid(reacted)

@@ -31,12 +31,13 @@ from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.postures import filmstrip
 from fatigue_planner.output.viewer.body_shapes import body_shapes
 from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
-from fatigue_planner.output.viewer.page import FRAMES_PER_S, page
-from fatigue_planner.output.viewer.scene import (
+from fatigue_planner.output.viewer.page import (
+    FRAMES_PER_S,
     METRES_PER_NEWTON,
     METRES_PER_NEWTON_ON_A_HAND,
     force_arrows,
     load_colour,
+    page,
 )
 from fatigue_planner.reactions.reaction import Reaction
 
