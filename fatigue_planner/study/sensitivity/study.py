@@ -6,13 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.files import find_shipped
-from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.error_messages import error_message
-from fatigue_planner.experiment.loader import complete_content, parse_experiment, read_content
+from fatigue_planner.experiment.loader import (
+    complete_content,
+    parse_experiment,
+    parse_settings,
+    read_content,
+    read_mapping,
+)
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
 from fatigue_planner.study.sensitivity.factors import Level
@@ -62,7 +64,9 @@ def load_study(path: Path) -> Study:
     experiment's schema is found here, before anything is run.
     """
     path = find_shipped(path)
-    settings = _read_settings(path)
+    settings = parse_settings(
+        StudySettings, read_mapping(path, ExperimentError, "sensitivity"), str(path), ExperimentError
+    )
     base_file = path.parent / settings.base
     try:
         base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
@@ -108,16 +112,6 @@ def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
             f"{path}: claims = {settings.claims!r}: are about {claims.experiment_file}, not the base."
         )
     return claims
-
-
-def _read_settings(path: Path) -> StudySettings:
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/sensitivity.yaml for an example.")
-    try:
-        return StudySettings.model_validate(content, strict=True)
-    except ValidationError as error:
-        raise ExperimentError(error_message(error, StudySettings, str(path))) from error
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:

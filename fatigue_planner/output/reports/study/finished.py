@@ -60,13 +60,10 @@ class FinishedStudy:
         """The policies that planners are compared with."""
         return list(self.note.study.baselines)
 
-    def svg(self, figure: str) -> str:
-        """A figure's drawing."""
-        return (self.folder / FIGURES / f"{figure}.svg").read_text(encoding="utf-8")
-
-    def data(self, figure: str) -> pd.DataFrame:
-        """A figure's data."""
-        return pd.read_csv(self.folder / FIGURES / f"{figure}.csv", keep_default_na=False, na_values=[""])
+    def figure(self, name: str) -> tuple[str, pd.DataFrame]:
+        """A figure's drawing (SVG) and its data."""
+        path = self.folder / FIGURES / f"{name}.svg"
+        return path.read_text(encoding="utf-8"), _table(path.with_suffix(".csv"))
 
 
 def read_study(folder: Path) -> FinishedStudy:

@@ -43,12 +43,7 @@ def study_page(study: FinishedStudy, command: str) -> str:
         f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number was typed by hand."
     )
     title = f"When does planning pay? The study {note.study.name}"
-    return page(title, subtitle, [conclusions(study)], [section for section in sections if section is not None])
-
-
-def conclusions(study: FinishedStudy) -> Points:
-    """The sentences that a study concludes with."""
-    return Points(study.conclusions)
+    return page(title, subtitle, [Points(study.conclusions)], [section for section in sections if section is not None])
 
 
 def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[Block]:
@@ -181,7 +176,7 @@ def _short(reason: str) -> str:
 
 
 def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
-    data, planner = study.data(name), study.headline.planner
+    (svg, data), planner = study.figure(name), study.headline.planner
     if name == "importance":
         caption = "How much of the gain's variance over all combinations each setting explains alone."
         first = data[data["baseline"] == study.baselines[0]].head(WIDEST)
@@ -207,7 +202,7 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
                 for own in [data.loc[(data["factor"] == factor) | data["factor"].isna(), "gain"]]
             ]
         )
-    return Picture(study.svg(name), caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")
+    return Picture(svg, caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")
 
 
 def _listed(table: pd.DataFrame, name: str, fraction: str) -> str:
