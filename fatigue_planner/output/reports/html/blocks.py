@@ -30,10 +30,13 @@ class Table:
     rows: Sequence[Sequence[str]]
     data_file: str | None = None
 
-    def alignment(self, column: int) -> Literal["right", "left"]:
-        """How a column stands."""
-        cells = [row[column] for row in self.rows if row[column] not in {"", "–"}]
-        return "right" if cells and all(cell[0] in "0123456789−+±<" for cell in cells) else "left"
+    def alignment(self) -> list[Literal["right", "left"]]:
+        """How each column stands."""
+        columns = [[cell for cell in column if cell not in {"", "–"}] for column in zip(*self.rows, strict=True)]
+        sides: list[Literal["right", "left"]] = [
+            "right" if cells and all(cell[0] in "0123456789−+±<" for cell in cells) else "left" for cells in columns
+        ]
+        return sides or ["left"] * len(self.header)
 
 
 @dataclass(frozen=True)
