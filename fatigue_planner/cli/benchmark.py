@@ -114,7 +114,7 @@ def _publish(
     from fatigue_planner.core.files import publish_text
     from fatigue_planner.core.provenance import MANIFEST_FILE
     from fatigue_planner.experiment.build import reaction_requests
-    from fatigue_planner.planners.reference import describe
+    from fatigue_planner.planners.lookahead import describe
     from fatigue_planner.reactions.reaction import digests
     from fatigue_planner.study.benchmark import results, tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds

@@ -360,7 +360,7 @@ FAULTS = (
         ("the first comparison decides", "study/test_claims.py::test_one_failing_comparison_decides_and_else_one_open",
          "answer = all_of(part.answer for part in parts)", "answer = parts[0].answer"),
     ),
-    *_in("study/claims/headroom.py",
+    *_in("study/claims/measurements.py",
         ("the headroom is a fraction of the bound", "study/test_claims.py::test_room_to_win_by_hand",
          "(cost - bound) / cost", "(cost - bound) / bound"),
     ),
