@@ -60,3 +60,17 @@ class Section:
     def anchor(self) -> str:
         """The name that links lead to."""
         return "".join(letter if letter.isalnum() else "-" for letter in self.title.lower())
+
+
+def as_text(section: Section) -> str:
+    """A section's paragraphs and tables for a terminal, the columns of a table below each other."""
+    lines = [f"{section.title}:"]
+    for block in section.blocks:
+        if isinstance(block, Text):
+            lines.append(f"  {block.words}")
+        elif isinstance(block, Table):
+            rows = [block.header, *block.rows]
+            widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+            lines.append(f"  {block.caption}")
+            lines += ["    " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    return "\n".join(lines)
