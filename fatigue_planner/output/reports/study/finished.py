@@ -50,16 +50,6 @@ class FinishedStudy:
     conclusions: list[str]
     tables: dict[str, pd.DataFrame]
 
-    @property
-    def headline(self) -> Headline:
-        """The comparison that its sentences and figures are about."""
-        return self.note.study.headline
-
-    @property
-    def baselines(self) -> list[str]:
-        """The policies that planners are compared with."""
-        return list(self.note.study.baselines)
-
     def figure(self, name: str) -> tuple[str, pd.DataFrame]:
         """A figure's drawing (SVG) and its data."""
         path = self.folder / FIGURES / f"{name}.svg"

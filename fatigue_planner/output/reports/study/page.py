@@ -51,7 +51,7 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
 
     `where`: path from the page to the study's folder, empty or ending in a slash.
     """
-    headline = study.headline
+    headline = study.note.study.headline
     importance = _of_the_headline(study, study.tables["importance"])
     if most is not None:
         importance = importance.groupby("baseline", sort=False).head(most)
@@ -159,8 +159,8 @@ def infeasible(study: FinishedStudy, where: str) -> list[Block]:
 
 
 def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
-    rows = at_headline(table, study.headline)
-    return rows[rows["planner"] == study.headline.planner]
+    rows = at_headline(table, study.note.study.headline)
+    return rows[rows["planner"] == study.note.study.headline.planner]
 
 
 def _fraction(fraction: float) -> str:
@@ -176,18 +176,18 @@ def _short(reason: str) -> str:
 
 
 def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
-    (svg, data), planner = study.figure(name), study.headline.planner
+    (svg, data), planner = study.figure(name), study.note.study.headline.planner
     if name == "importance":
         caption = "How much of the gain's variance over all combinations each setting explains alone."
-        first = data[data["baseline"] == study.baselines[0]].head(WIDEST)
-        alternative = f"over {study.baselines[0]}: " + _listed(first, "factor", "share")
+        first = data[data["baseline"] == study.note.study.baselines[0]].head(WIDEST)
+        alternative = f"over {study.note.study.baselines[0]}: " + _listed(first, "factor", "share")
     elif name == "trends":
         caption = "The gain at every combination against the settings that decide most; bars are 95 % intervals."
         alternative = listing(
             [
                 f"over {baseline} from {brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())}, "
                 f"median {brief_percent(own['gain'].median())}"
-                for baseline in study.baselines
+                for baseline in study.note.study.baselines
                 for own in [data[data["baseline"] == baseline]]
             ]
         )
