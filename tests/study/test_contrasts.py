@@ -13,10 +13,10 @@ from contrast_tables import shared_worlds, trial_table
 
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
+from fatigue_planner.study.statistics import inference
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of, contrast_text
 from fatigue_planner.study.statistics.contrasts import contrasts
-from fatigue_planner.study.statistics.effect_sizes import detectable_noncentrality, power
-from fatigue_planner.study.statistics.hypothesis_tests import equivalence_p, permutation_p
+from fatigue_planner.study.statistics.inference import detectable_noncentrality, equivalence_p, permutation_p, power
 from fatigue_planner.study.statistics.multiple_testing import holm
 
 SETTINGS = StatisticsSettings(significance_level=0.05, resamples=999)
@@ -205,10 +205,7 @@ def test_many_pairs_are_flipped_at_random() -> None:
 
 
 def test_batches_of_draws_change_nothing(golden: Contrast, monkeypatch: pytest.MonkeyPatch) -> None:
-    from fatigue_planner.study.statistics import hypothesis_tests, intervals
-
-    for module in (hypothesis_tests, intervals):
-        monkeypatch.setattr(module, "MAX_DRAWS", 40 * 64)
+    monkeypatch.setattr(inference, "MAX_DRAWS", 40 * 64)
     assert contrast_of(contrasts(TABLE, SETTINGS, seed=7), "novice", 5, "a", "b") == golden
 
 

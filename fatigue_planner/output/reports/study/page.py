@@ -11,7 +11,7 @@ from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Sect
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.study.claims.schema import VERDICTS
-from fatigue_planner.study.sensitivity.conclusions import at_headline
+from fatigue_planner.study.sensitivity.conclusions import of_headline
 from fatigue_planner.study.sensitivity.robustness import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
@@ -52,7 +52,7 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
     `where`: path from the page to the study's folder, empty or ending in a slash.
     """
     headline = study.note.study.headline
-    importance = _of_the_headline(study, study.tables["importance"])
+    importance = of_headline(study.tables["importance"], headline)
     if most is not None:
         importance = importance.groupby("baseline", sort=False).head(most)
     rows = [
@@ -156,11 +156,6 @@ def infeasible(study: FinishedStudy, where: str) -> list[Block]:
         rows = [[row["point"], _short(str(row["reason"]))] for row in records(failed)]
         blocks.append(Table("The reasons.", ["point", "reason"], rows, f"{where}points.csv"))
     return blocks
-
-
-def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
-    rows = at_headline(table, study.note.study.headline)
-    return rows[rows["planner"] == study.note.study.headline.planner]
 
 
 def _fraction(fraction: float) -> str:
