@@ -7,8 +7,7 @@ import pandas as pd
 from fatigue_planner.core.text import brief_percent
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.gains import CONFIDENCE
-from fatigue_planner.study.sensitivity.robustness import ANALYSES, reproduced_fraction
+from fatigue_planner.study.sensitivity.gains import ANALYSES, CONFIDENCE, reproduced_fraction
 from fatigue_planner.study.sensitivity.settings import Headline, StudySettings
 
 # How many settings a sentence names at most.

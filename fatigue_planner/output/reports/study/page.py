@@ -12,7 +12,7 @@ from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.study.claims.schema import VERDICTS
 from fatigue_planner.study.sensitivity.conclusions import of_headline
-from fatigue_planner.study.sensitivity.robustness import ANALYSES
+from fatigue_planner.study.sensitivity.gains import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
 MAX_REASON_LENGTH = 240
