@@ -23,7 +23,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from fatigue_planner.core.errors import PluginError
-from fatigue_planner.core.files import PACKAGE
+from fatigue_planner.core.files import PACKAGE, digest_of_files
 from fatigue_planner.core.settings import Settings
 
 ENTRY_POINTS = "fatigue_planner.plugins"
@@ -220,11 +220,7 @@ def _digest_of_module(top: str, kind: type) -> str:
         except (OSError, TypeError) as error:
             raise PluginError(f"{kind.__name__}: its source cannot be read; define it in a file.") from error
     path = Path(file)
-    files = sorted(path.parent.rglob("*.py")) if path.name == "__init__.py" else [path]
-    digest = hashlib.sha256()
-    for source in files:
-        digest.update(source.name.encode() + b"\0" + hashlib.sha256(source.read_bytes()).digest())
-    return digest.hexdigest()
+    return digest_of_files(path.parent.rglob("*.py") if path.name == "__init__.py" else [path])
 
 
 def origin_of(thing: type | Callable[..., Any]) -> str:
