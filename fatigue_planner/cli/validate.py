@@ -51,7 +51,7 @@ def validate(
         document |= {"file": file, "kind": kind}
         if resolved and kind is not Kind.EXPERIMENT:
             raise ExperimentError(f"{file}: --resolved is for experiments only.")
-        told, text = _checked(file, kind, resolved)
+        told, text = summary(file, kind, resolved)
         document |= {"valid": True, **told}
     except FatplanError as fault:
         if not as_json:
@@ -78,7 +78,7 @@ def schema(
     typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
 
-def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], str]:
+def summary(file: Path, kind: Kind, resolved: bool = False) -> tuple[dict[str, Any], str]:
     """What a valid file is about, for the document and in words.
 
     What reads it is loaded when its kind is known; raises what that raises.
