@@ -15,9 +15,10 @@ import typer
 
 from fatigue_planner import __version__
 from fatigue_planner.cli import options
-from fatigue_planner.cli.validate import kind_of, summary
+from fatigue_planner.cli.validate import summary
 from fatigue_planner.core.errors import ExitCode, ExperimentError, OutputFolderError, listed
 from fatigue_planner.core.executors.processes import available_cores
+from fatigue_planner.core.file_kinds import kind_of
 
 SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."

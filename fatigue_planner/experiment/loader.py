@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
@@ -39,9 +40,7 @@ def load_experiment(path: Path) -> Experiment:
 
 def read_content(path: Path) -> dict[str, Any]:
     """What an experiment file says, its grids of actions written out. Raises ExperimentError."""
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
+    content = mapping_of_kind(path, read_yaml(path, ExperimentError), FileKind.EXPERIMENT, ExperimentError)
     expanded, errors = expand_pose_grids(content)
     if errors:
         raise ExperimentError(joined_errors(str(path), errors))

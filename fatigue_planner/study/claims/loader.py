@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.benchmark_settings import Benchmark
@@ -43,9 +44,7 @@ def load_claims(path: Path) -> Claims:
     Raises ClaimsError: file, key, value, what is allowed; and as `load_experiment`.
     """
     path = find_shipped(path)
-    content = read_yaml(path, ClaimsError)
-    if not isinstance(content, dict):
-        raise ClaimsError(f"{path}: is not a mapping; see experiments/paper_claims.yaml for an example.")
+    content = mapping_of_kind(path, read_yaml(path, ClaimsError), FileKind.CLAIMS, ClaimsError)
     try:
         file = ClaimsFile.model_validate(content, strict=True)
     except ValidationError as error:

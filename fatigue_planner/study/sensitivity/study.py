@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message
@@ -111,9 +112,7 @@ def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
 
 
 def _read_settings(path: Path) -> StudySettings:
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/sensitivity.yaml for an example.")
+    content = mapping_of_kind(path, read_yaml(path, ExperimentError), FileKind.STUDY, ExperimentError)
     try:
         return StudySettings.model_validate(content, strict=True)
     except ValidationError as error:
