@@ -22,6 +22,8 @@ from fatigue_planner.core.file_kinds import kind_of
 
 SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
+# A small container lacks what the wheels of others take from the system.
+SYSTEM = "Install the system's package with this library (libgomp.so.1 on Debian: `apt-get install libgomp1`)."
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def _careful(check: Callable[[], Finding]) -> Finding:
         return check()
     except Exception as error:
         name = getattr(check, "__name__", "check").strip("_<>").replace("_", " ")
-        return Finding(name, f"{type(error).__name__}: {error}", REINSTALL)
+        remedy = SYSTEM if isinstance(error, ImportError) and ".so" in str(error) else REINSTALL
+        return Finding(name, f"{type(error).__name__}: {error}", remedy)
 
 
 def _versions() -> Finding:

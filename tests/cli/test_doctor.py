@@ -84,3 +84,16 @@ def test_a_broken_file_that_ships_is_a_fault(tmp_path: Path, monkeypatch: pytest
         and "planners.yaml" in done.stdout
         and "Install fatplan again" in done.stdout
     )
+
+
+def test_a_library_that_the_system_lacks_is_asked_of_the_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fatigue_planner.human import strength_sets
+
+    def broken() -> tuple[str, ...]:
+        raise ImportError("libgomp.so.1: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr(strength_sets, "shipped_sets", broken)
+    done = fatplan("doctor", cwd=tmp_path)
+    assert done.returncode == 3 and "libgomp.so.1: cannot open" in done.stdout and "libgomp1" in done.stdout
