@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
@@ -39,12 +40,9 @@ def load_experiment(path: Path) -> Experiment:
     return experiment
 
 
-def read_mapping(path: Path, error_type: type[FatplanError], example: str) -> dict[str, Any]:
-    """What a file of settings says. Raises `error_type`, naming the example, if that is not a mapping."""
-    content = read_yaml(path, error_type)
-    if not isinstance(content, dict):
-        raise error_type(f"{path}: is not a mapping of settings; see experiments/{example}.yaml for an example.")
-    return content
+def read_mapping(path: Path, kind: FileKind, error_type: type[FatplanError]) -> dict[str, Any]:
+    """What a file of settings says. Raises `error_type` if that is no mapping, or a file of another kind."""
+    return mapping_of_kind(path, read_yaml(path, error_type), kind, error_type)
 
 
 def parse_settings(kind: type[S], content: Mapping[str, Any], source: str, error_type: type[FatplanError]) -> S:
@@ -57,7 +55,7 @@ def parse_settings(kind: type[S], content: Mapping[str, Any], source: str, error
 
 def read_content(path: Path) -> dict[str, Any]:
     """What an experiment file says, its grids of actions written out. Raises ExperimentError."""
-    content = read_mapping(path, ExperimentError, "paper")
+    content = read_mapping(path, FileKind.EXPERIMENT, ExperimentError)
     expanded, errors = expand_pose_grids(content)
     if errors:
         raise ExperimentError(joined_errors(str(path), errors))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.experiment.benchmark_settings import Benchmark
 from fatigue_planner.experiment.error_messages import joined_errors
@@ -40,7 +41,7 @@ def load_claims(path: Path) -> Claims:
     Raises ClaimsError: file, key, value, what is allowed; and as `load_experiment`.
     """
     path = find_shipped(path)
-    file = parse_settings(ClaimsFile, read_mapping(path, ClaimsError, "paper_claims"), str(path), ClaimsError)
+    file = parse_settings(ClaimsFile, read_mapping(path, FileKind.CLAIMS, ClaimsError), str(path), ClaimsError)
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]

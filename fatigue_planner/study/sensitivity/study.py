@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.experiment.loader import (
     complete_content,
@@ -67,7 +68,7 @@ def load_study(path: Path) -> Study:
     """
     path = find_shipped(path)
     settings = parse_settings(
-        StudySettings, read_mapping(path, ExperimentError, "sensitivity"), str(path), ExperimentError
+        StudySettings, read_mapping(path, FileKind.STUDY, ExperimentError), str(path), ExperimentError
     )
     base_file = path.parent / settings.base
     try:
