@@ -86,10 +86,22 @@ def capsule_distances(ends: Vector, radii: Vector, pairs: Indices) -> tuple[Vect
 @compiled
 def _perpendicular(one: Vector, two: Vector) -> Vector:
     """A unit vector perpendicular to two vectors (3,), or to the longer one where they are parallel."""
-    across = np.cross(one, two)
-    if across @ across <= PARALLEL * (one @ one) * (two @ two):
-        along = one if one @ one >= two @ two else two
+    across, size_one, size_two = _cross(one, two)
+    length = (across**2).sum()
+    if length <= PARALLEL * size_one * size_two:
+        along = one if size_one >= size_two else two
         axis = np.zeros(3)
         axis[np.argmin(np.abs(along))] = 1.0
-        across = np.cross(along, axis) if along @ along > 0 else axis
-    return across / np.sqrt(across @ across)
+        across = _cross(along, axis)[0] if max(size_one, size_two) > 0 else axis
+        length = (across**2).sum()
+    return np.asarray(across / np.sqrt(length))
+
+
+@compiled
+def _cross(one: Vector, two: Vector) -> tuple[Vector, float, float]:
+    """The cross product of two vectors (3,), and their squared lengths."""
+    across = np.empty(3)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        across[i] = one[j] * two[k] - one[k] * two[j]
+    return across, (one**2).sum(), (two**2).sum()

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import told_apart
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.plausibility import Plausibility
 from fatigue_planner.motion.settings import Accuracy
 
 Vector = NDArray[np.float64]
@@ -15,12 +16,12 @@ Matrix = NDArray[np.float64]
 
 AT_LIMIT = 0.999  # of the maximum torque
 
-Verdict = Literal["ok", "degraded", "failed"]
+Verdict = Literal["ok", "degraded", "implausible", "failed"]
 
 # Values that inform, or have a message of their own.
 NOT_BARS = (
     "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
-    "saturated_joint", "eased_ticks", "eased_radps2",
+    "saturated_joint", "eased_ticks", "eased_radps2", "plausibility",
 )  # fmt: skip
 REMEDIES = {
     "foot_displacement_m": "a smaller controller.time_step_s helps",
@@ -58,7 +59,7 @@ class Quality:
     largest_load_share is the largest mean load of a joint during work, as a share of its strength.
     saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
     where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
-    bounds, by up to eased_radps2.
+    bounds, by up to eased_radps2. plausibility: what an observer sees of the motion.
     """
 
     not_finite: int
@@ -82,6 +83,7 @@ class Quality:
     saturated_joint: str
     eased_ticks: int
     eased_radps2: float
+    plausibility: Plausibility
 
     def faults(self, required: Accuracy) -> list[str]:
         """What is not fulfilled, in words; empty for a motion that can be used."""
@@ -118,17 +120,25 @@ class Quality:
         return f"too heavy or out of reach ({self.saturated_joint} at its limit {self.saturated_share:.0%} of the time)"
 
     def verdict(self, required: Accuracy) -> Verdict:
-        """ok; degraded, if usable although limits had to be eased; failed."""
+        """failed; implausible: possible, but not as a person would move; degraded: limits had to be eased; or ok."""
         if self.faults(required):
             return "failed"
         return self.kept_as()
 
     def kept_as(self) -> Verdict:
-        """The verdict on a motion that fulfils everything: degraded if limits had to be eased."""
+        """The verdict on a motion that fulfils everything: such a motion is used, whatever else is said of it."""
+        if self.plausibility.findings():
+            return "implausible"
         return "degraded" if self.eased_ticks else "ok"
 
+    def remarks(self) -> list[str]:
+        """What there is to say of a motion that fulfils everything: what makes it implausible, and what was eased."""
+        return [*(finding.text for finding in self.plausibility.findings()), *filter(None, [self.degradation()])]
+
     def degradation(self) -> str:
-        """What was eased, and how much, in words."""
+        """What was eased, and how much, in words; empty if nothing was."""
+        if not self.eased_ticks:
+            return ""
         return (
             f"joint accelerations had to leave their bounds at {self.eased_ticks} ticks, by up to "
             f"{self.eased_radps2:.1f} rad/s^2; a joint passes its range by up to "

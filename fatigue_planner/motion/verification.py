@@ -12,6 +12,7 @@ from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import ROWS, Motion
+from fatigue_planner.motion.plausibility import measure_plausibility
 from fatigue_planner.motion.quality import Quality, saturation
 from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.schedule import forces_of, hand_reference, phases_of, runs_of
@@ -94,6 +95,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         saturated_joint=saturated.joint,
         eased_ticks=int((eased > 0).sum()),
         eased_radps2=float(eased.max()),
+        plausibility=measure_plausibility(request, motion),
     )
 
 

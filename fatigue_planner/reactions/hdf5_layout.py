@@ -29,6 +29,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import canonical_json, digest_of
+from fatigue_planner.human.capsules import checked_pairs
 from fatigue_planner.human.model import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
@@ -48,7 +49,7 @@ _CHECKSUM_MARK = b"fatplan sha256 "
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
 FAILED_FORMAT = "fatplan failed reaction"
-FORMAT_VERSION = 4  # to be raised when Motion, Quality or the layout above change
+FORMAT_VERSION = 5  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -244,8 +245,12 @@ def _quality(found: Array) -> Quality:
         raise ValueError(f"quality {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
     if canonical_json(asdict(quality)).encode() != found.item():
         raise ValueError("its quality is not as this program writes it")
-    if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
+    seen = quality.plausibility
+    joints = {quality.largest_load_joint, quality.saturated_joint, seen.pushing_joint, seen.torque_step_joint}
+    if not joints | {seen.end_pose_joint, seen.stance_load_joint} <= {"", *DEGREES_OF_FREEDOM}:
         raise ValueError("its quality names an unknown joint")
+    if seen.penetration_parts not in {"", *(f"{first} and {second}" for first, second in checked_pairs())}:
+        raise ValueError("its quality names an unknown part of the body")
     return quality
 
 

@@ -322,3 +322,10 @@ def test_the_papers_geometry_is_winters(human: Human) -> None:
     assert human.anthropometry.human == "paper"
     arm = [human.anthropometry.length(f"{name}_length") / 1.75 for name in ("upper_arm", "forearm", "hand")]
     assert arm == pytest.approx([0.186, 0.146, 0.108], rel=1e-12)
+
+
+@pytest.mark.parametrize("end", ["min", "max"])
+def test_a_posture_may_be_at_the_end_of_a_range(end: str) -> None:
+    for name, motion in ranges_of_motion().items():
+        angle = getattr(motion, end)
+        assert posture({name: angle}, "posture").any() == (angle != 0)
