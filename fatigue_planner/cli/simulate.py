@@ -46,6 +46,8 @@ def simulate(
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
+    if "human" not in settings.model_fields_set:
+        warn([f"{experiment}: names no human; the natural one moves (human: natural; the paper's is human: paper)."])
     requests, executor = reaction_requests(settings), executor_of(jobs, dask)
     store = ReactionCache(cache)
     with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:

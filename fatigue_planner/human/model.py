@@ -27,13 +27,27 @@ _JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.Joint
 _UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
 
-# The paper's: standing, arms along the body (section III-C). The angles are open; no joint rests on a limit.
-NATURAL_POSTURE_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+# The two digital humans: the paper's, to the letter of its text, and one with the physiology that it leaves out.
+HumanKind = Literal["natural", "paper"]
+
+# Standing, arms along the body (paper, section III-C); the angles are open, no joint rests on a limit. The natural
+# human leans from the ankles until his passive moments and his weight balance, and his forearms clear his thighs.
+NATURAL_POSTURE_DEG: dict[HumanKind, dict[str, float]] = {
+    "natural": {
+        "knee_flexion": 5.0, "hip_flexion": 1.0, "ankle_flexion": 4.0, "elbow_flexion": 5.0, "shoulder_abduction": 4.0,
+    },
+    "paper": {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0},
+}  # fmt: skip
 
 
 class Worker(Settings):
     """A worker as an experiment describes him or her."""
 
+    human: HumanKind = Field(
+        default="natural",
+        description="The digital human: with the physiology that the paper leaves out (natural), or without it "
+        "(paper). Default in an experiment: its `human`.",
+    )
     height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
     mass_kg: float = Field(ge=40, le=150, description="Body mass in kg.")
     sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
@@ -45,9 +59,9 @@ class Worker(Settings):
         "Default: the average man's or woman's, by sex.",
     )
     natural_posture_deg: dict[str, float] = Field(
-        default=NATURAL_POSTURE_DEG,
+        default_factory=lambda worker: dict(NATURAL_POSTURE_DEG[worker.get("human", "natural")]),
         description="Stance in which every cycle begins and to which all joints are drawn: angles in degrees by degree "
-        "of freedom, the rest 0; a name without right_ or left_ means both sides.",
+        "of freedom, the rest 0; a name without right_ or left_ means both sides. Default: the stance of the human.",
     )
 
 
