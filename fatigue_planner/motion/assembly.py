@@ -25,7 +25,7 @@ def assemble(
     task_jacobian: Matrix,
     task_target: Vector,
     task_weight: Vector,
-    posture_weight: float,
+    posture_weight: Vector,
     posture_target: Vector,
     torque_scale: Vector,
     wrench_scale: Vector,
@@ -62,8 +62,8 @@ def assemble(
     H[:nv, :nv] += task_jacobian.T @ weighted
     g[:nv] -= task_target @ weighted
     for j in range(joints):
-        H[BASE_DOF + j, BASE_DOF + j] += posture_weight
-        g[BASE_DOF + j] -= posture_weight * posture_target[j]
+        H[BASE_DOF + j, BASE_DOF + j] += posture_weight[j]
+        g[BASE_DOF + j] -= posture_weight[j] * posture_target[j]
     for i in range(wrenches):
         H[nv + i, nv + i] += wrench_scale[i]
 
@@ -83,3 +83,15 @@ def within_limits(torque: Vector, lowest: Vector, highest: Vector, cone: Matrix,
             if not total <= 0:
                 return False
     return True
+
+
+@compiled
+def without_tissue(mass: Matrix, bias: Vector, moments: Vector, slopes: Matrix) -> tuple[Matrix, Vector]:
+    """Mass matrix (45, 45) and bias (45,) for what muscles exert beside tissue that exerts moments + slopes a.
+
+    moments (39,) N.m and slopes (39, 39) N.m s^2/rad.
+    """
+    own_mass, own_bias = mass.copy(), bias.copy()
+    own_mass[BASE_DOF:, BASE_DOF:] -= slopes
+    own_bias[BASE_DOF:] -= moments
+    return own_mass, own_bias

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
-from fatigue_planner.motion.assembly import assemble, within_limits
+from fatigue_planner.motion.assembly import assemble, within_limits, without_tissue
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.joint_limits import acceleration_bounds
+from fatigue_planner.motion.physiology.registry import Physiology
 from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_with_fallback
 from fatigue_planner.motion.settings import Controller
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
@@ -30,19 +31,23 @@ Vector = NDArray[np.float64]
 
 # Beyond this a body whose limits are eased is falling, not moving (human limbs reach it in fast throws only).
 MAX_EASED_RADPS2 = 100.0
+# The share of a torque limit that is kept free for what the linearised moments of tissue may be off.
+LINEARISATION = 1e-3
 
 
 class Tick(NamedTuple):
     """What the program decides at a tick.
 
     acceleration (45,); wrench (12,): force and moment on the right, then the left sole, in its own axes;
-    torque_nm (39,); eased_radps2 (39,): how far joint accelerations are outside their bounds.
+    torque_nm (39,): of the muscles; eased_radps2 (39,): how far joint accelerations are outside their bounds;
+    tissue_nm (39,): what tissue and stops exert on the joints beside the muscles, at the end of the tick.
     """
 
     acceleration: Vector
     wrench: Vector
     torque_nm: Vector
     eased_radps2: Vector
+    tissue_nm: Vector
 
 
 class LimitKind(Enum):
@@ -75,11 +80,13 @@ class WholeBodyController:
         settings: Controller,
         strength: tuple[Vector, Vector],
         posture: WholePosture,
+        physiology: Physiology,
         tasks: list[Task],
     ) -> None:
         self.settings = settings
         self.state = state
         self.posture = posture
+        self.physiology = physiology
         self.tasks = tasks
         self.contacts = [
             SoleContact(state, state.frame(f"{side}_sole"), settings.stiffness_per_s2.contact) for side in SIDES
@@ -95,15 +102,17 @@ class WholeBodyController:
         self._lower, self._upper = human.model.lowerPositionLimit[7:], human.model.upperPositionLimit[7:]
         self._highest_torque = settings.torque_limit_factor * strength[0]
         self._lowest_torque = -settings.torque_limit_factor * strength[1]
+        # rows of the whole program know the tissue's moments only to first order
+        self._row_share = 1 - LINEARISATION if physiology.has_tissue else 1.0
         self._torque_scale = settings.regularisation.relative_torque / np.maximum(*strength) ** 2
         self._task_jacobian = np.zeros((sum(task.rows for task in tasks), nv))
         self._task_target = np.zeros(len(self._task_jacobian))
         self._task_weight = np.concatenate([np.full(task.rows, task.weight) for task in tasks])
         ends = np.cumsum([task.rows for task in tasks])
         self._task_rows = [slice(end - task.rows, end) for task, end in zip(tasks, ends, strict=True)]
-        self._posture_target = np.zeros(self.nj)
+        self._posture_weight, self._posture_target = np.zeros(self.nj), np.zeros(self.nj)
         self._contact_jacobian, self._required = np.zeros((wrenches, nv)), np.zeros(wrenches)
-        self._not_eased = np.zeros(self.nj)
+        self._not_eased, self._no_tissue = np.zeros(self.nj), np.zeros(self.nj)
         self._torque_map = np.zeros((self.nj, nv + wrenches))
         self._scale = {
             LimitKind.JOINT: np.full(self.nj, settings.acceleration_limit_radps2),
@@ -146,8 +155,23 @@ class WholeBodyController:
         return self._eased_tick() if solution is None else self._tick(solution, self._not_eased)
 
     def _tick(self, solution: Vector, eased_radps2: Vector) -> Tick:
-        torque = self._torque_map @ solution + self.state.nonlinear_effects[BASE_DOF:]
-        return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), torque, eased_radps2)
+        torque = self._torque_map @ solution + self._bias[BASE_DOF:]
+        tissue = self._no_tissue
+        if self.physiology.has_tissue:
+            torque, tissue = self._split(torque, solution[BASE_DOF : self.nv])
+        return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), torque, eased_radps2, tissue)
+
+    def _split(self, torque: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
+        """What muscles and what tissue and stops exert, (39,) N.m each, by the exact moments at the end of the tick.
+
+        Both together are what the program found, whose own share of the tissue is linearised.
+        """
+        further = self.settings.time_step_s**2 * acceleration
+        angles = self._angles + further
+        total = torque + self._moments + self._slopes @ further
+        tissue = self.physiology.tissue(angles)[0]
+        tissue = tissue + self.physiology.stops(angles, total - tissue)
+        return total - tissue, tissue
 
     def _eased_tick(self) -> Tick | None:
         """The solution with the bounds of the joint accelerations eased as little as possible."""
@@ -225,17 +249,31 @@ class WholeBodyController:
             self._required[rows] = contact.required_acceleration(state, own)
         for task, rows in zip(self.tasks, self._task_rows, strict=True):
             task.evaluate(state, self._task_jacobian[rows], self._task_target[rows])
-        self._posture_target[:] = self.posture.target(state)
+        self._posture_weight[:], self._posture_target[:] = self.posture.weight, self.posture.target(state)
+        self.physiology.draw(self._posture_weight, self._posture_target)
+
+    def _fill_dynamics(self) -> None:
+        """Mass matrix and bias of the torques that muscles exert.
+
+        What tissue exerts at the end of the tick, t(q + dt v + dt^2 a), is linearised in a; it belongs to both.
+        """
+        state, dt = self.state, self.settings.time_step_s
+        self._mass, self._bias = state.mass_matrix, state.nonlinear_effects
+        if self.physiology.has_tissue:
+            self._angles = state.configuration[7:] + dt * state.velocity[BASE_DOF:]
+            self._moments, self._slopes = self.physiology.tissue(self._angles)
+            self._mass, self._bias = without_tissue(self._mass, self._bias, self._moments, dt**2 * self._slopes)
 
     def _fill_free_program(self) -> None:
         self._fill_limits()
         self._fill_rows()
-        free, state = self.free, self.state
+        self._fill_dynamics()
+        free = self.free
         assemble(
             free.H, free.g, free.A, free.row_lower, free.row_upper, self._torque_map,
-            state.mass_matrix, state.nonlinear_effects, self._contact_jacobian, self._required,
+            self._mass, self._bias, self._contact_jacobian, self._required,
             self._task_jacobian, self._task_target, self._task_weight,
-            self.posture.weight, self._posture_target, self._torque_scale, self._wrench_scale,
+            self._posture_weight, self._posture_target, self._torque_scale, self._wrench_scale,
         )  # fmt: skip
 
     def fill_whole_program(self) -> None:
@@ -246,5 +284,6 @@ class WholeBodyController:
         whole.A[:equalities] = free.A
         whole.row_lower[:equalities], whole.row_upper[:equalities] = free.row_lower, free.row_upper
         whole.A[torques] = self._torque_map
-        bias = self.state.nonlinear_effects[BASE_DOF:]
-        whole.row_lower[torques], whole.row_upper[torques] = self._lowest_torque - bias, self._highest_torque - bias
+        bias = self._bias[BASE_DOF:]
+        lowest, highest = self._row_share * self._lowest_torque, self._row_share * self._highest_torque
+        whole.row_lower[torques], whole.row_upper[torques] = lowest - bias, highest - bias

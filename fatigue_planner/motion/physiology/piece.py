@@ -1,0 +1,96 @@
+"""What a piece of physiology is: what it adds to the whole-body program of every tick.
+
+A new piece is a file beside this one and a name in `registry.PIECES`. Whatever a piece does not define, it leaves as it
+is in the paper's human.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.human.model import Human
+from fatigue_planner.motion.body_state import BodyState
+from fatigue_planner.motion.minimum_jerk import Trajectory
+from fatigue_planner.motion.motion import Phase
+from fatigue_planner.motion.settings import Side
+from fatigue_planner.motion.tasks.task import Task
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """The body and what it has to do. `state` is in the natural stance at first, later at the present tick.
+
+    paths: the reference of every hand that has a goal, one row per tick.
+    """
+
+    human: Human
+    state: BodyState
+    phases: tuple[Phase, ...]
+    time_step_s: float
+    paths: dict[Side, Trajectory]
+
+    @property
+    def stance_rad(self) -> Vector:
+        """The joint angles (39,) of the natural stance."""
+        return self.human.stance[7:]
+
+    def duration_s(self, phase: Phase) -> float:
+        """How long a phase lasts."""
+        return (phase.stop - phase.start) * self.time_step_s
+
+    def times_s(self) -> Vector:
+        """The time (T,) of every tick since the cycle began."""
+        return np.arange(self.phases[-1].stop) * np.float64(self.time_step_s)
+
+
+class TimedTask(NamedTuple):
+    """A task, the fraction of its weight that it has at every tick (T,), and whether it aims at the work."""
+
+    task: Task
+    share: Vector
+    aims: bool
+
+
+class Piece:
+    """One piece of physiology."""
+
+    # By how much the weight of the hands' tasks is multiplied.
+    hand_weight_factor = 1.0
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def tasks(self) -> list[TimedTask]:
+        """Tasks added to those every motion has."""
+        return []
+
+    def aim(self) -> Vector | None:
+        """The fraction (T,) of their weight that the tasks have which aim at the work: hands, gaze, preferences.
+
+        None if they have all of it throughout.
+        """
+        return None
+
+    def prepare(self, tick: int) -> None:
+        """Take note of the tick; the state is evaluated."""
+
+    def draw(self, weight: Vector, target: Vector) -> None:
+        """Change what draws the joints: the weights and the accelerations wanted, each (39,), in place."""
+
+    def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
+        """Write what tissue exerts at joint angles (39,) rad, (39,) N.m, and its derivatives (39, 39) N.m/rad.
+
+        Depends on the angles only; `slopes` comes with zeros where it never wrote.
+        """
+
+    def relieve(self, angles: Vector, muscle_nm: Vector) -> Vector | None:
+        """What a bony or ligamentous stop exerts, (39,) N.m, in place of muscles that would exert `muscle_nm`.
+
+        None for no stop. Depends on its arguments only.
+        """
+        return None
