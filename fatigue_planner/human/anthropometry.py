@@ -152,7 +152,7 @@ class Anthropometry:
                 com = np.array([heel + along * length, 0.0, sole / 2])
                 radii = np.array([longitudinal, transverse, sagittal])
             case "pelvis" | "abdomen" | "thorax" | "head":
-                com = np.array([0.0, 0.0, self._trunk_com_height(kind, along) - self._origin_height(kind)])
+                com = np.array([0.0, 0.0, self._trunk_com_height(kind, along) - self.origin_height(kind)])
             case _:  # limbs hang from their proximal joint along -z
                 length = self.length(f"{kind}_length")
                 com = np.array([0.0, 0.0, -along * length])
@@ -169,7 +169,7 @@ class Anthropometry:
     def _hip_height(self) -> float:
         return self.length("ankle_height") + self.length("shank_length") + self.length("thigh_length")
 
-    def _origin_height(self, body: str) -> float:
+    def origin_height(self, body: str) -> float:
         """Height of a trunk body's frame above the ground when standing straight."""
         steps = ["lumbar_above_hip", "thoracic_above_lumbar", "neck_above_thoracic", "head_above_neck"]
         count = ["pelvis", "abdomen", "thorax", "neck", "head"].index(body)

@@ -10,6 +10,7 @@ from fatigue_planner.core.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
+from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.human.urdf import urdf_text
@@ -267,3 +268,20 @@ def test_the_exported_body_can_be_seen_and_its_joints_are_listed_as_motions_coun
     height = float(foot.find("visual/geometry/box").get("size").split()[2])
     centre = float(foot.find("visual/origin").get("xyz").split()[2])
     assert centre - height / 2 == pytest.approx(human.anthropometry.sole_rectangle()[3])
+
+
+def test_compiled_kinematics_are_pinocchios(human: Human) -> None:
+    random = np.random.default_rng(3)
+    lower, upper = position_limits()
+    configurations = np.array([pin.randomConfiguration(human.model) for _ in range(20)])
+    configurations[:, :3] = random.normal(size=(20, 3))
+    configurations[:, 7:] = random.uniform(lower, upper, size=(20, 39))
+    poses, data = poses_of(tree_of(human.anthropometry), configurations), human.model.createData()
+    for row, configuration in enumerate(configurations):
+        pin.framesForwardKinematics(human.model, data, configuration)
+        for index, body in enumerate(BODIES):
+            at = data.oMf[human.model.getFrameId(body)]
+            assert poses.rotation[row, index] == pytest.approx(at.rotation, abs=1e-12)
+            assert poses.origin_m[row, index] == pytest.approx(at.translation, abs=1e-12)
+    grip = data.oMf[human.model.getFrameId("right_grip")].translation
+    assert poses.points("right_hand", human.anthropometry.grip_m())[-1] == pytest.approx(grip, abs=1e-12)
