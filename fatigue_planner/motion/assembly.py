@@ -95,3 +95,15 @@ def without_tissue(mass: Matrix, bias: Vector, moments: Vector, slopes: Matrix) 
     own_mass[BASE_DOF:, BASE_DOF:] -= slopes
     own_bias[BASE_DOF:] -= moments
     return own_mass, own_bias
+
+
+@compiled
+def keeps(rows: Matrix, least: Vector, solution: Vector) -> bool:
+    """Whether accelerations, the first of a solution (n,), keep limits rows (k, 45) a >= least (k,)."""
+    for row in range(len(rows)):
+        total = 0.0
+        for k in range(rows.shape[1]):
+            total += rows[row, k] * solution[k]
+        if not total >= least[row]:
+            return False
+    return True

@@ -118,7 +118,7 @@ def test_condensed_program_solves_the_papers_program(paper: Experiment, index: i
     body = mid_reach(paper, index)
     result = body.controller.step()
     assert result is not None
-    acceleration, wrench, torque, _ = result
+    acceleration, wrench, torque, *_ = result
     body.controller.fill_whole_program()
     program, nv, nj = body.controller.program, 45, 39
     # unknowns (tau, a, w): the condensed program's rows and costs, its torque rows replaced

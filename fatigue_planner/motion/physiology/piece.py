@@ -61,6 +61,8 @@ class Piece:
 
     # By how much the weight of the hands' tasks is multiplied.
     hand_weight_factor = 1.0
+    # How many limits of accelerations it has (see `limit`).
+    limits = 0
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -81,6 +83,9 @@ class Piece:
 
     def draw(self, weight: Vector, target: Vector) -> None:
         """Change what draws the joints: the weights and the accelerations wanted, each (39,), in place."""
+
+    def limit(self, rows: Matrix, least: Vector) -> None:
+        """Write its limits, rows (k, 45) a >= least (k,), in place: they hold as far as nothing else contradicts."""
 
     def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
         """Write what tissue exerts at joint angles (39,) rad, (39,) N.m, and its derivatives (39, 39) N.m/rad.

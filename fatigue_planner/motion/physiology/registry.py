@@ -10,6 +10,7 @@ import numpy as np
 
 from fatigue_planner.human.model import HumanKind
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.physiology.clearance import Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
 from fatigue_planner.motion.physiology.gaze import Gaze
 from fatigue_planner.motion.physiology.hanging_arm import HangingArm
@@ -29,6 +30,7 @@ PIECES: dict[HumanKind, tuple[type[Piece], ...]] = {
         Stops,
         Gaze,
         HangingArm,
+        Clearance,
     ),
 }
 
@@ -43,10 +45,10 @@ class Physiology:
         self.hand_weight_factor = math.prod(piece.hand_weight_factor for piece in self.pieces)
         self._prepare = self._defined("prepare")
         self._draw = self._defined("draw")
+        self.limits = sum(piece.limits for piece in self.pieces)
         self._bear = self._defined("bear")
         self._relieve = self._defined("relieve")
         self.has_tissue = bool(self._bear or self._relieve)
-        self._moments, self._slopes = np.zeros(_NJ), np.zeros((_NJ, _NJ))
 
     def _defined(self, hook: str) -> list[Callable[..., Vector | None]]:
         return [getattr(piece, hook) for piece in self.pieces if getattr(type(piece), hook) is not getattr(Piece, hook)]
@@ -70,18 +72,23 @@ class Physiology:
         for draw in self._draw:
             draw(weight, target)
 
+    def limit(self, rows: Matrix, least: Vector) -> None:
+        """See Piece.limit; rows (limits, 45) and least (limits,)."""
+        first = 0
+        for piece in self.pieces:
+            if piece.limits:
+                own = slice(first, first + piece.limits)
+                piece.limit(rows[own], least[own])
+                first = own.stop
+
     def tissue(self, angles: Vector) -> tuple[Vector, Matrix]:
-        """Moments (39,) N.m and their derivatives (39, 39) at joint angles, by all pieces; see Piece.bear."""
-        if len(self._bear) == 1:
-            moments, slopes = np.empty(_NJ), self._slopes
-            self._bear[0](angles, moments, slopes)
-            return moments, slopes
+        """Moments (39,) N.m and their derivatives (39, 39) N.m/rad at joint angles, by all pieces; see Piece.bear."""
         total, whole = np.zeros(_NJ), np.zeros((_NJ, _NJ))
         for bear in self._bear:
-            self._slopes[:] = 0
-            bear(angles, self._moments, self._slopes)
-            total += self._moments
-            whole += self._slopes
+            moments, slopes = np.zeros(_NJ), np.zeros((_NJ, _NJ))
+            bear(angles, moments, slopes)
+            total += moments
+            whole += slopes
         return total, whole
 
     def stops(self, angles: Vector, muscle_nm: Vector) -> Vector:
