@@ -28,7 +28,7 @@ from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark.trial import cycle_of
+from fatigue_planner.study.benchmark.trial import Episode, decided_cycles
 
 
 class Actor(Protocol):
@@ -179,25 +179,18 @@ def run(scenario: Scenario, policy: "PolicyLike", n_cycles: int = 100, seed: int
     """
     random_numbers = draw_random_numbers(seed, scenario.name, n_cycles, trial)
     rng = random_stream(seed, "planner", scenario.name, n_cycles, trial, _label(policy))
-    actor, model = _actor(policy), scenario.worker(random_numbers.worker)
-    state, belief = scenario.start(random_numbers.start), scenario.initial_belief(_knows(policy), model, rng)
-    total, discount, rows = 0.0, 1.0, []
-    fatigue = np.zeros((n_cycles, model.entries))
-    for cycle in range(n_cycles):
-        begin = time.perf_counter()
-        action = actor.act(belief, rng).action
-        planning_time_s = time.perf_counter() - begin
-        state, preference, reward, observation = cycle_of(model, state, action, random_numbers, cycle)
-        total += discount * reward
-        discount *= model.discount
-        fatigue[cycle, model.active_entries] = state[: model.active_entries.size]
-        names = model.actions[action], model.outcomes[preference], model.observations[observation]
-        rows.append((*names, -reward, planning_time_s))
-        actor.observe(action, observation)
-        belief = belief.update(action, observation, rng)
-    columns = ["action", "reaction", "observed", "cost", "planning_time_s"]
-    cycles = pd.DataFrame(rows, columns=columns).rename_axis("cycle")
-    return Run(total, cycles, pd.DataFrame(fatigue, columns=list(ENTRIES)).rename_axis("cycle"))
+    episode = Episode(scenario, random_numbers)
+    model, belief = episode.model, scenario.initial_belief(_knows(policy), episode.model, rng)
+    cycles = list(decided_cycles(episode, belief, _actor(policy), n_cycles, rng))
+    columns = {
+        "action": [model.actions[cycle.action] for cycle in cycles],
+        "reaction": [model.outcomes[cycle.preference] for cycle in cycles],
+        "observed": [model.observations[cycle.observation] for cycle in cycles],
+        "cost": [-cycle.reward for cycle in cycles],
+        "planning_time_s": [cycle.planning_time_s for cycle in cycles],
+    }
+    fatigue = pd.DataFrame([model.fatigue(cycle.state) for cycle in cycles], columns=list(ENTRIES))
+    return Run(episode.discounted_return, pd.DataFrame(columns).rename_axis("cycle"), fatigue.rename_axis("cycle"))
 
 
 def run_trials(

@@ -68,6 +68,10 @@ def execute(arguments: Sequence[str]) -> int:
     except Exception as error:
         if isinstance(error, OSError) and error.errno in DISK_FAULTS:
             return _disk_fault(arguments, error)
+        from fatigue_planner.core.plugins import fault_of_plugin
+
+        if fault := fault_of_plugin(error):
+            return _tell(arguments, "PluginError", f"{fault} {kept_text(error)}".strip(), fault.exit_code)
         return _internal_error(arguments, error)
     return ExitCode.OK
 

@@ -171,6 +171,8 @@ def load_files(files: Iterable[tuple[str, bytes, str]]) -> None:
 
 # Source and path of the loaded plug-in files, by module name.
 _SOURCES: dict[str, tuple[bytes, str]] = {}
+# Top-level packages of the installed plug-ins.
+_PACKAGES: set[str] = set()
 
 
 @cache
@@ -181,6 +183,7 @@ def load_installed_plugins() -> None:
 
 
 def _load_entry_point(entry_point: EntryPoint) -> None:
+    _PACKAGES.add(entry_point.module.partition(".")[0])
     try:
         entry_point.load()
     except PluginError:
@@ -228,6 +231,18 @@ def origin_of(thing: type | Callable[..., Any]) -> str:
     """Where a class or function of a plug-in was defined: the plug-in's file, else its name with its module."""
     known = _SOURCES.get(thing.__module__)
     return known[1] if known else f"{thing.__module__}.{thing.__qualname__}"
+
+
+def fault_of_plugin(error: Exception) -> PluginError | None:
+    """The same error as the user's, with file and line, if it was raised by a plug-in or by what a plug-in called."""
+    place, traceback = "", error.__traceback__
+    while traceback is not None:
+        frame = traceback.tb_frame
+        top = str(frame.f_globals.get("__name__")).partition(".")[0]
+        if top in _SOURCES or top in _PACKAGES:
+            place = f"{frame.f_code.co_filename}: line {traceback.tb_lineno}"
+        traceback = traceback.tb_next
+    return PluginError(f"the plug-in {place}: {type(error).__name__}: {error}.") if place else None
 
 
 def failure_text(error: Exception, path: str) -> str:

@@ -21,7 +21,8 @@ from fatigue_planner.experiment.benchmark_settings import (
 from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
-from fatigue_planner.human.model import HumanKind, Tool, Worker
+from fatigue_planner.human.anthropometry import HumanKind
+from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cycle
 from fatigue_planner.motion.tasks.registry import Preference

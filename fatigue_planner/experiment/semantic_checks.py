@@ -9,7 +9,6 @@ import numpy as np
 from fatigue_planner.core.errors import DataFileError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
-from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import Human, Worker, build_human
 from fatigue_planner.motion.action import Action
@@ -133,7 +132,7 @@ def _reach_faults(experiment: Experiment) -> Iterator[str]:
 
 def _longest_reach_m(worker: Worker) -> float:
     """The length of the stretched chain from sole to fist: no posture reaches farther from the centre of the feet."""
-    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    body = worker.anthropometry()
     arm = ["right_shoulder", "right_elbow", "right_wrist"]
     links = [
         body.joint_centre(joint) for joint in ["right_knee", "right_ankle", "right_hip", "lumbar", "thoracic", *arm]

@@ -12,6 +12,8 @@ from fatigue_planner.core.settings import Settings, load_data
 from fatigue_planner.human.skeleton import DATA, without_side
 
 Sex = Literal["female", "male"]
+# The two digital humans: the paper's, to the letter of its text, and one with the physiology that it leaves out.
+HumanKind = Literal["natural", "paper"]
 Vector = NDArray[np.float64]
 
 
@@ -48,10 +50,18 @@ def segment_table() -> SegmentTable:
     return load_data(DATA / "segments.yaml", SegmentTable)
 
 
+class SourcedShare(Settings):
+    """A length as a fraction of stature, of both sexes or of each, and where it comes from."""
+
+    value: float | dict[Sex, float]
+    source: str
+
+
 @cache
-def geometry() -> dict[str, SourcedValue]:
-    """Joint centres and landmarks as fractions of stature."""
-    return load_data(DATA / "geometry.yaml", dict[str, SourcedValue])
+def geometry(kind: HumanKind) -> dict[str, SourcedShare]:
+    """Joint centres and landmarks of a human as fractions of stature, from data/geometry."""
+    own = load_data(DATA / "geometry" / f"{kind}.yaml", dict[str, SourcedShare])
+    return own if kind == "paper" else geometry("paper") | own
 
 
 @dataclass(frozen=True)
@@ -84,15 +94,17 @@ _ROW = {
 
 @dataclass(frozen=True)
 class Anthropometry:
-    """A body of a given stature, mass and sex."""
+    """A body of a given stature, mass and sex, with the geometry of the paper's human or of the natural one."""
 
     stature_m: float
     mass_kg: float
     sex: Sex
+    human: HumanKind = "natural"
 
     def length(self, name: str) -> float:
-        """A length of data/geometry.yaml in metres."""
-        return geometry()[name].value * self.stature_m
+        """A length of data/geometry in metres."""
+        value = geometry(self.human)[name].value
+        return (value[self.sex] if isinstance(value, dict) else value) * self.stature_m
 
     def joint_centre(self, joint: str) -> Vector:
         """Centre of a compound joint in its parent body's frame at the anatomical zero, (3,) m."""

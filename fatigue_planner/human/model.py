@@ -10,7 +10,7 @@ from pydantic import Field
 
 from fatigue_planner.core.errors import DataFileError, told_apart
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.human.anthropometry import Anthropometry, Sex
+from fatigue_planner.human.anthropometry import Anthropometry, HumanKind, Sex
 from fatigue_planner.human.joint_data import position_limits, posture
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
@@ -26,9 +26,6 @@ STANCE_MARGIN_M = 0.02
 _JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.JointModelRZ}
 _UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
-
-# The two digital humans: the paper's, to the letter of its text, and one with the physiology that it leaves out.
-HumanKind = Literal["natural", "paper"]
 
 # Standing, arms along the body (paper, section III-C); the angles are open, no joint rests on a limit. The natural
 # human leans from the ankles until his passive moments and his weight balance, and his forearms clear his thighs.
@@ -63,6 +60,10 @@ class Worker(Settings):
         description="Stance in which every cycle begins and to which all joints are drawn: angles in degrees by degree "
         "of freedom, the rest 0; a name without right_ or left_ means both sides. Default: the stance of the human.",
     )
+
+    def anthropometry(self) -> Anthropometry:
+        """The lengths and masses of the worker's body."""
+        return Anthropometry(self.height_m, self.mass_kg, self.sex, self.human)
 
 
 class Tool(Settings):
@@ -163,7 +164,7 @@ def build_human(worker: Worker, right_hand_kg: float = 0.0, left_hand_kg: float 
     Raises DataFileError if the natural posture names an unknown degree of freedom, leaves a range of
     motion or does not stand on flat soles.
     """
-    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    body = worker.anthropometry()
     model = _tree(body)
     for side, mass in (("right", right_hand_kg), ("left", left_hand_kg)):
         if mass > 0:

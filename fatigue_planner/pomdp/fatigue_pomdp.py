@@ -189,6 +189,12 @@ class FatiguePomdp(Pomdp):
         state[-1] = worker
         return state
 
+    def fatigue(self, state: Vector) -> Vector:
+        """The fatigue (entries,) that a state stands for."""
+        fatigue = np.zeros(self.entries)
+        fatigue[self.active_entries] = state[: self.active_entries.size]
+        return fatigue
+
     def for_workers(self, workers: Workers) -> "FatiguePomdp":
         """The same task for other workers."""
         rows = [

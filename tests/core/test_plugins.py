@@ -1,5 +1,6 @@
 """Plug-ins: found in files and installed packages, part of the keys of what they made, and told when they fail."""
 
+import re
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -188,3 +189,30 @@ def test_workers_have_the_plug_ins_of_the_process_that_asks(tmp_path: Path) -> N
 def test_a_plug_in_is_run_from_its_source_where_its_file_is_not(tmp_path: Path) -> None:
     run_plugin("far", POLICY.format(kind="first").encode(), "/nowhere/far.py")
     assert "first" in POLICIES.kinds()
+
+
+@pytest.mark.parametrize(
+    ("act", "words"),
+    [
+        ("1 / 0", r"the plug-in \S*mine.py: line 7: ZeroDivisionError: division by zero\."),
+        ("'high'", r"\S*mine.py: act returned 'high', not a Decision with an action from 0 to 1\."),
+    ],
+)
+def test_a_policy_that_fails_at_work_is_told_with_its_line(
+    act: str, words: str, tmp_path: Path, cache_folder: Path
+) -> None:
+    experiment = tmp_path / "mine.yaml"
+    experiment.write_text(PAPER.read_text().replace("    random: {kind: random}", "    random: {kind: first}"))
+    text = POLICY.format(kind="first").replace('fp.policy("greedy").build().act(belief, rng)', act)
+    options = [
+        "--plugin",
+        write(tmp_path, text),
+        "--cache",
+        cache_folder,
+        "--results",
+        tmp_path,
+        "--policies",
+        "random",
+    ]
+    said = refused(2, "benchmark", experiment, *options, "--cycles", 5, "--trials", 1, "--jobs", 1)
+    assert re.search(words, said), said

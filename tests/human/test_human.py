@@ -16,6 +16,8 @@ from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, w
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
+from fatigue_planner.motion.physiology.piece import Scene
+from fatigue_planner.motion.physiology.registry import Physiology
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Coordinates
@@ -24,7 +26,14 @@ from fatigue_planner.motion.tasks.task import Coordinates
 def worker(height_m: float = 1.75, mass_kg: float = 75, sex: str = "male") -> Worker:
     strength = "average_man" if sex == "male" else "average_woman"
     return Worker.model_validate(
-        {"height_m": height_m, "mass_kg": mass_kg, "sex": sex, "strength": strength, "natural_posture_deg": {}}
+        {
+            "human": "paper",
+            "height_m": height_m,
+            "mass_kg": mass_kg,
+            "sex": sex,
+            "strength": strength,
+            "natural_posture_deg": {},
+        }
     )
 
 
@@ -71,7 +80,7 @@ def test_segment_masses_sum_to_the_body(sex: str, total: float) -> None:
 
 def test_upper_body_centre_of_mass_matches_the_hand_calculation() -> None:
     """Head, thorax, neck and abdomen: 29.4 kg, .335 m above L5/S1 for 75 kg and 1.75 m."""
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     human = build_human(worker())
     bodies = ("abdomen", "thorax", "neck", "head")
     masses = [body.segment(name).mass_kg for name in bodies]
@@ -85,7 +94,7 @@ def test_moments_of_inertia_by_hand() -> None:
 
     The foot's long axis is x. About the axis of a straight hanging arm only the longitudinal moments count.
     """
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     sizes = {  # length in m, mass in % of the body's, radii in % of the length
         "forearm": (body.length("forearm_length"), 1.62, [27.6, 26.5, 12.1]),
         "thigh": (body.length("thigh_length"), 14.16, [32.9, 32.9, 14.9]),
@@ -188,7 +197,7 @@ def test_a_taller_heavier_worker_is_scaled() -> None:
 
 def test_static_shoulder_torque_by_hand() -> None:
     """Arm held out horizontally with a 5 kg tool: sum of weight times distance along the arm."""
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     upper, fore, hand = (body.segment(f"right_{name}") for name in ("upper_arm", "forearm", "hand"))
     elbow = body.length("upper_arm_length")
     wrist = elbow + body.length("forearm_length")
@@ -219,9 +228,10 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
     stay = WholePosture(weights.posture, stiffness.posture, human.stance[7:])
     strength = maximum_torque(paper.workers["average_man"].strength).vectors()
-    result = WholeBodyController(human, state, paper.controller, strength, stay, [balance]).step()
+    none = Physiology("paper", Scene(human, state, (), 0.01, {}))
+    result = WholeBodyController(human, state, paper.controller, strength, stay, none, [balance]).step()
     assert result is not None
-    acceleration, _, torque, _ = result
+    acceleration, _, torque, *_ = result
     np.testing.assert_allclose(acceleration, 0, atol=1e-3)
     share = np.maximum(torque / strength[0], -torque / strength[1])
     assert share.max() < paper.fatigue.threshold
@@ -285,3 +295,33 @@ def test_compiled_kinematics_are_pinocchios(human: Human) -> None:
             assert poses.origin_m[row, index] == pytest.approx(at.translation, abs=1e-12)
     grip = data.oMf[human.model.getFrameId("right_grip")].translation
     assert poses.points("right_hand", human.anthropometry.grip_m())[-1] == pytest.approx(grip, abs=1e-12)
+
+
+@pytest.mark.parametrize(("sex", "height_m"), [("male", 1.756), ("female", 1.628)])
+def test_the_natural_geometry_is_that_of_measured_people(sex: str, height_m: float) -> None:
+    """Against numbers that the geometry was not made of: spans, and heights of people standing (ANSUR II, cm)."""
+    measured = {
+        "male": {"span": 181.4, "elbow": 0.630 * 175.6, "wrist": 84.8, "trochanterion": 90.1, "acromion": 144.1},
+        "female": {"span": 166.0, "elbow": 0.630 * 162.8, "wrist": 79.4, "trochanterion": 84.5, "acromion": 133.5},
+    }[sex]
+    body = Anthropometry(height_m, 70, sex, "natural")
+    paper = Anthropometry(height_m, 70, sex, "paper")
+    arm = sum(body.length(name) for name in ("upper_arm_length", "forearm_length", "hand_length"))
+    span = 200 * (body.length("shoulder_half_width") + arm)
+    # no collar bone draws the shoulders in when the arms are held out
+    assert 1 < span / measured["span"] < 1.045 < 109 * height_m / measured["span"]
+    shoulder = 100 * body.length("shoulder_height")
+    assert shoulder - 100 * body.length("upper_arm_length") == pytest.approx(measured["elbow"], rel=0.02)
+    assert shoulder - 100 * (body.length("upper_arm_length") + body.length("forearm_length")) == pytest.approx(
+        measured["wrist"], abs=0.1
+    )
+    assert 2 < measured["acromion"] - shoulder < 5  # the joint is below the acromion
+    hip = 100 * sum(body.length(name) for name in ("ankle_height", "shank_length", "thigh_length"))
+    assert measured["trochanterion"] < hip < 100 * 0.558 * height_m  # ANSUR II; the eight subjects
+    assert body.length("thigh_length") == paper.length("thigh_length")
+
+
+def test_the_papers_geometry_is_winters(human: Human) -> None:
+    assert human.anthropometry.human == "paper"
+    arm = [human.anthropometry.length(f"{name}_length") / 1.75 for name in ("upper_arm", "forearm", "hand")]
+    assert arm == pytest.approx([0.186, 0.146, 0.108], rel=1e-12)

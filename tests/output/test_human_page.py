@@ -13,7 +13,6 @@ from conftest import PAPER
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.model import Worker, build_human
 from fatigue_planner.output.reports.human.hand_calculation import standing_masses, static_moments_nm
 from fatigue_planner.output.reports.human.page import human_page, markdown_table, noteworthy
@@ -65,7 +64,7 @@ def test_every_table_names_its_sources_with_their_marks(paper: Experiment, react
 
 def test_torques_agree_with_a_calculation_by_hand_for_any_body(paper: Experiment) -> None:
     for worker in (paper.workers["average_man"], woman(paper)):
-        body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+        body = worker.anthropometry()
         for posture in references().postures.values():
             by_hand = static_moments_nm(body, posture.angles_deg, posture.tool_mass_kg)
             model = model_torques_nm(worker, posture)

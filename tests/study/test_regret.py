@@ -26,7 +26,7 @@ from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.tables import REGRET_FILE, REGRETS, publish_table, read_table, regret_rows
-from fatigue_planner.study.benchmark.trial import cycle_of
+from fatigue_planner.study.benchmark.trial import Episode
 from fatigue_planner.study.statistics.comparison import comparison_table
 from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
@@ -107,12 +107,11 @@ def test_the_judge_believes_what_the_policy_could(scenarios: dict[str, Scenario]
     runs = cell(one, "greedy", GreedySettings(kind="greedy"))
     result = runs.run([1])[1]
     world, rng = draw_random_numbers(5, "c", 6, 1), np.random.default_rng(0)
-    belief, state, losses = one.initial_belief("prior", one.model, rng), one.start(world.start), []
-    for cycle, action in enumerate(result.actions):
+    belief, episode, losses = one.initial_belief("prior", one.model, rng), Episode(one, world), []
+    for action in result.actions:
         values = LookaheadPolicy(REFERENCE).values(belief, rng)
         losses.append(values.max() - values[action])
-        state, _, _, seen = cycle_of(one.model, state, action, world, cycle)
-        belief = belief.update(action, seen, rng)
+        belief = belief.update(action, episode.step(action).observation, rng)
     regret = RegretJob(runs, REFERENCE, {1: result.actions}).run([1])[1]
     assert regret.decision_loss == pytest.approx(np.mean(losses), rel=1e-9) and max(losses) > 0
 

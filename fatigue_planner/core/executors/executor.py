@@ -14,8 +14,9 @@ from typing import Any, ClassVar, TypeVar
 
 import cloudpickle
 
+from fatigue_planner.core.errors import FatplanError
 from fatigue_planner.core.interrupts import Interrupts
-from fatigue_planner.core.plugins import load_files, loaded_files
+from fatigue_planner.core.plugins import fault_of_plugin, load_files, loaded_files
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -115,9 +116,15 @@ def perform(payload: bytes) -> bytes:
     """Do packed work, in a worker: from a pickled function and its argument to the pickled result.
 
     Functions and classes of a script or a notebook are packed as code: no worker could import them. Plug-in files are
-    loaded first.
+    loaded first. Raises what the function raises; PluginError if a plug-in fails.
     """
     plugins, packed = pickle.loads(payload)
     load_files(plugins)
     work, item = pickle.loads(packed)
-    return bytes(cloudpickle.dumps(work(item)))
+    try:
+        result = work(item)
+    except FatplanError:
+        raise
+    except Exception as error:
+        raise fault_of_plugin(error) or error from error
+    return bytes(cloudpickle.dumps(result))

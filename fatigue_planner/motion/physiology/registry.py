@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fatigue_planner.human.model import HumanKind
+from fatigue_planner.human.anthropometry import HumanKind
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.physiology.clearance import Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
