@@ -1,8 +1,8 @@
 """Passive joint moments: what ligaments, capsules and relaxed muscles exert, by the angles of the joints.
 
-Hip, knee and ankle flexion: Riener & Edrich, "Identification of passive elastic joint moments in the lower extremities",
-J. Biomech. 32(5), 1999, where muscles that span two joints couple them. All others: exponentials towards the ends of
-the range, from data/passive_moments.yaml.
+Hip, knee and ankle flexion: Riener & Edrich, "Identification of passive elastic joint moments in the lower
+extremities", J. Biomech. 32(5), 1999, where muscles that span two joints couple them. All others: exponentials towards
+the ends of the range, from data/passive_moments.yaml.
 """
 
 from functools import cache
@@ -14,6 +14,7 @@ from pydantic import Field
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.core.settings import Settings, load_data
+from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import position_limits
 from fatigue_planner.human.skeleton import DATA, DEGREES_OF_FREEDOM, SIDES, without_side
 
@@ -22,6 +23,9 @@ Matrix = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 DEGREE = 180 / np.pi
+# The men whom the moments are taken to be those of; for others they grow with mass times stature, as their muscles and
+# lever arms do, and as Anderson et al. (2007) scale strengths (assumed).
+REFERENCE_MASS_KG, REFERENCE_STATURE_M = 75.0, 1.75
 
 
 class EndMoments(Settings):
@@ -35,7 +39,8 @@ class EndMoments(Settings):
 
 class PassiveTable(NamedTuple):
     """What `passive_moments` needs: for all degrees of freedom (39,) the ends of the range in rad, the moments there in
-    N.m and the exponents in 1/rad; and the indices (2, 3) of hip, knee and ankle flexion of both legs.
+    N.m and the exponents in 1/rad; the indices (2, 3) of hip, knee and ankle flexion of both legs; and by how much all
+    moments are multiplied.
     """
 
     lower: Vector
@@ -44,11 +49,12 @@ class PassiveTable(NamedTuple):
     at_upper_nm: Vector
     per_rad: Vector
     legs: Indices
+    scale: float
 
 
 @cache
-def passive_table() -> PassiveTable:
-    """The parameters of all passive moments."""
+def passive_table(person: Anthropometry) -> PassiveTable:
+    """The parameters of all passive moments of a worker."""
     rows = load_data(DATA / "passive_moments.yaml", dict[str, EndMoments])
     none = EndMoments(min_nm=0, max_nm=0, per_rad=1, source="riener_edrich")
     own = [rows.get(without_side(name), none) for name in DEGREES_OF_FREEDOM]
@@ -59,7 +65,15 @@ def passive_table() -> PassiveTable:
         np.array([row.max_nm for row in own], dtype=float),
         np.array([row.per_rad for row in own], dtype=float),
         np.array(legs),
+        person.mass_kg * person.stature_m / (REFERENCE_MASS_KG * REFERENCE_STATURE_M),
     )
+
+
+def passive_moments_of(person: Anthropometry, angles: Vector) -> Vector:
+    """The passive moments (39,) N.m of a worker at joint angles (39,) rad."""
+    moments = np.empty(len(angles))
+    passive_moments(passive_table(person), angles, moments, np.zeros((len(angles), len(angles))))
+    return moments
 
 
 @compiled
@@ -91,3 +105,5 @@ def passive_moments(table: PassiveTable, angles: Vector, moments: Vector, slopes
         moments[ankle] = pointed - raised + 1.792
         slopes[ankle, ankle] = DEGREE * (-0.1949 * pointed - 0.0843 * raised)
         slopes[ankle, knee] = DEGREE * (0.0008 * pointed + 0.0176 * raised)
+    moments *= table.scale
+    slopes *= table.scale

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

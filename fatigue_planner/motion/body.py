@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.human.joint_data import MaximumTorque
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, Tool, Worker, build_human
+from fatigue_planner.human.model import Human, Tool, Worker, build_human
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState

@@ -14,13 +14,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.human.model import BASE_DOF, GRAVITY_MPS2, Human
+from fatigue_planner.human.model import Human
+from fatigue_planner.human.multibody import BASE_DOF, GRAVITY_MPS2
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.assembly import assemble, keeps, within_limits, without_tissue
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.joint_limits import acceleration_bounds
-from fatigue_planner.motion.physiology.registry import Physiology
+from fatigue_planner.motion.physiology.registry import Physiology, Tissue
 from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_with_fallback
 from fatigue_planner.motion.settings import Controller
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
@@ -90,7 +91,7 @@ class WholeBodyController:
         self.settings = settings
         self.state = state
         self.posture = posture
-        self.physiology = physiology
+        self.physiology, self._tissue = physiology, physiology.tissue
         self.tasks = tasks
         self.contacts = [
             SoleContact(state, state.frame(f"{side}_sole"), settings.stiffness_per_s2.contact) for side in SIDES
@@ -104,13 +105,15 @@ class WholeBodyController:
         limits = physiology.limits
         self.free = QuadraticProgram(nv + wrenches, equalities, settings.solver)
         self.program = QuadraticProgram(nv + wrenches + limits, self._cone_rows.stop + limits, settings.solver)
-        self.limited = QuadraticProgram(nv + wrenches + limits, equalities + limits, settings.solver) if limits else None
+        self.limited = (
+            QuadraticProgram(nv + wrenches + limits, equalities + limits, settings.solver) if limits else None
+        )
         self._limit_rows, self._least = np.zeros((limits, nv)), np.zeros(limits)
         self._lower, self._upper = human.model.lowerPositionLimit[7:], human.model.upperPositionLimit[7:]
         self._highest_torque = settings.torque_limit_factor * strength[0]
         self._lowest_torque = -settings.torque_limit_factor * strength[1]
         # rows of the whole program know the tissue's moments only to first order
-        self._row_share = 1 - LINEARISATION if physiology.has_tissue else 1.0
+        self._row_share = 1 - LINEARISATION if self._tissue else 1.0
         self._torque_scale = settings.regularisation.relative_torque / np.maximum(*strength) ** 2
         self._task_jacobian = np.zeros((sum(task.rows for task in tasks), nv))
         self._task_target = np.zeros(len(self._task_jacobian))
@@ -200,11 +203,11 @@ class WholeBodyController:
         solution = solution[: len(self.free.g)]
         torque = self._torque_map @ solution + self._bias[BASE_DOF:]
         tissue = self._no_tissue
-        if self.physiology.has_tissue:
-            torque, tissue = self._split(torque, solution[BASE_DOF : self.nv])
+        if self._tissue is not None:
+            torque, tissue = self._split(self._tissue, torque, solution[BASE_DOF : self.nv])
         return Tick(solution[: self.nv].copy(), solution[self.nv :].copy(), torque, eased_radps2, tissue)
 
-    def _split(self, torque: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
+    def _split(self, bearing: Tissue, torque: Vector, acceleration: Vector) -> tuple[Vector, Vector]:
         """What muscles and what tissue and stops exert, (39,) N.m each, by the exact moments at the end of the tick.
 
         Both together are what the program found, whose own share of the tissue is linearised.
@@ -212,8 +215,7 @@ class WholeBodyController:
         further = self.settings.time_step_s**2 * acceleration
         angles = self._angles + further
         total = torque + self._moments + self._slopes @ further
-        tissue = self.physiology.tissue(angles)[0]
-        tissue = tissue + self.physiology.stops(angles, total - tissue)
+        tissue = bearing.borne(angles, total)
         return total - tissue, tissue
 
     def _eased_tick(self) -> Tick | None:
@@ -302,9 +304,9 @@ class WholeBodyController:
         """
         state, dt = self.state, self.settings.time_step_s
         self._mass, self._bias = state.mass_matrix, state.nonlinear_effects
-        if self.physiology.has_tissue:
+        if self._tissue is not None:
             self._angles = state.configuration[7:] + dt * state.velocity[BASE_DOF:]
-            self._moments, self._slopes = self.physiology.tissue(self._angles)
+            self._moments, self._slopes = self._tissue.moments(self._angles)
             self._mass, self._bias = without_tissue(self._mass, self._bias, self._moments, dt**2 * self._slopes)
 
     def _fill_free_program(self) -> None:

@@ -11,7 +11,8 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
 from fatigue_planner.human.kinematics import poses_of, tree_of
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
+from fatigue_planner.human.model import Human, Worker, build_human, joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body_state import BodyState

@@ -69,7 +69,7 @@ def _write_rows(
     distance: Vector, normal: Matrix, first: Matrix, second: Matrix, pairs: NDArray[np.int64], least_m: Vector,
     moves: NDArray[np.bool_], jacobian: Matrix, velocity: Vector, rows: Matrix, least: Vector,
 ) -> None:  # fmt: skip
-    """Write the rows of the nearest pairs; `jacobian` (6, 45) holds the twists of all velocities at the world's origin."""
+    """Write the rows of the nearest pairs; `jacobian` (6, 45): twists of all velocities at the world's origin."""
     rows[:], least[:] = 0.0, -np.inf
     order = np.argsort(distance)
     for row in range(len(rows)):

@@ -4,7 +4,7 @@ import numpy as np
 
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.joint_data import degrees_of_freedom, position_limits
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.motion.physiology.piece import Piece, Scene, Vector
 
 ZONE_RAD = np.radians(8)

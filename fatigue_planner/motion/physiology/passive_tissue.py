@@ -1,16 +1,17 @@
 """Ligaments, capsules and relaxed muscles bear a part of every joint's torque."""
 
+from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.passive_moments import passive_moments, passive_table
-from fatigue_planner.motion.physiology.piece import Matrix, Piece, Scene, Vector
+from fatigue_planner.motion.physiology.piece import Bearer, Matrix, Vector
 
 
-class PassiveTissue(Piece):
+class PassiveTissue(Bearer):
     """The passive moments of `human.passive_moments`: in the equation of motion, not billed to the muscles."""
 
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
-        self.table = passive_table()
+    def __init__(self, person: Anthropometry) -> None:
+        super().__init__(person)
+        self.table = passive_table(person)
 
     def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
-        """See Piece.bear."""
+        """See Bearer.bear."""
         passive_moments(self.table, angles, moments, slopes)

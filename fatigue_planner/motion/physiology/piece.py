@@ -1,7 +1,7 @@
 """What a piece of physiology is: what it adds to the whole-body program of every tick.
 
-A new piece is a file beside this one and a name in `registry.PIECES`. Whatever a piece does not define, it leaves as it
-is in the paper's human.
+A new piece is a file beside this one and a name in `registry.PIECES`: a `Piece`, which moves the body, or a `Bearer`,
+which exerts torques. Whatever a piece does not define, it leaves as it is in the paper's human.
 """
 
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.model import Human
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.minimum_jerk import Trajectory
@@ -57,7 +58,7 @@ class TimedTask(NamedTuple):
 
 
 class Piece:
-    """One piece of physiology."""
+    """A piece of physiology that moves the body."""
 
     # By how much the weight of the hands' tasks is multiplied.
     hand_weight_factor = 1.0
@@ -87,15 +88,21 @@ class Piece:
     def limit(self, rows: Matrix, least: Vector) -> None:
         """Write its limits, rows (k, 45) a >= least (k,), in place: they hold as far as nothing else contradicts."""
 
+
+class Bearer:
+    """What bears a part of the joints' torques beside the muscles, and is not billed to them.
+
+    It depends on the worker and the joint angles only, so that a stored motion can be checked against it.
+    """
+
+    def __init__(self, person: Anthropometry) -> None:
+        self.person = person
+
     def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
-        """Write what tissue exerts at joint angles (39,) rad, (39,) N.m, and its derivatives (39, 39) N.m/rad.
+        """Write what it exerts at joint angles (39,) rad, (39,) N.m, and the derivatives (39, 39) N.m/rad.
 
-        Depends on the angles only; `slopes` comes with zeros where it never wrote.
+        Both come with zeros.
         """
 
-    def relieve(self, angles: Vector, muscle_nm: Vector) -> Vector | None:
-        """What a bony or ligamentous stop exerts, (39,) N.m, in place of muscles that would exert `muscle_nm`.
-
-        None for no stop. Depends on its arguments only.
-        """
-        return None
+    def relieve(self, angles: Vector, muscle_nm: Vector, reaction: Vector) -> None:
+        """Write what it exerts, (39,) N.m, in place of muscles that would exert `muscle_nm`; it comes with zeros."""

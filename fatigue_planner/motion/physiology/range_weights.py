@@ -1,4 +1,4 @@
-"""Joints are drawn to the stance by their ranges: a degree of a small range is as uncomfortable as several of a large."""
+"""Joints are drawn to the stance by their ranges: a degree of a small range costs as much as several of a large one."""
 
 import numpy as np
 

@@ -4,23 +4,22 @@ A new piece is a file beside this one and a line in PIECES. Pieces that change t
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fatigue_planner.human.anthropometry import HumanKind
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
 from fatigue_planner.motion.physiology.clearance import Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
 from fatigue_planner.motion.physiology.gaze import Gaze
 from fatigue_planner.motion.physiology.hanging_arm import HangingArm
 from fatigue_planner.motion.physiology.passive_tissue import PassiveTissue
-from fatigue_planner.motion.physiology.piece import Matrix, Piece, Scene, TimedTask, Vector
+from fatigue_planner.motion.physiology.piece import Bearer, Matrix, Piece, Scene, TimedTask, Vector
 from fatigue_planner.motion.physiology.range_weights import RangeWeights
 from fatigue_planner.motion.physiology.stops import Stops
 from fatigue_planner.motion.physiology.way_home import WayHome
 
-PIECES: dict[HumanKind, tuple[type[Piece], ...]] = {
+PIECES: dict[HumanKind, tuple[type[Piece] | type[Bearer], ...]] = {
     "paper": (),
     "natural": (
         RangeWeights,
@@ -34,23 +33,22 @@ PIECES: dict[HumanKind, tuple[type[Piece], ...]] = {
     ),
 }
 
-_NJ = len(DEGREES_OF_FREEDOM)
-
 
 class Physiology:
-    """All pieces of a human. Only what some piece defines is ever called."""
+    """All pieces of a human that move the body, and what bears his torques beside the muscles.
+
+    Only what some piece defines is ever called.
+    """
 
     def __init__(self, kind: HumanKind, scene: Scene) -> None:
-        self.pieces = [piece(scene) for piece in PIECES[kind]]
+        self.pieces = [piece(scene) for piece in PIECES[kind] if issubclass(piece, Piece)]
+        self.tissue = tissue_of(kind, scene.human.anthropometry)
         self.hand_weight_factor = math.prod(piece.hand_weight_factor for piece in self.pieces)
+        self.limits = sum(piece.limits for piece in self.pieces)
         self._prepare = self._defined("prepare")
         self._draw = self._defined("draw")
-        self.limits = sum(piece.limits for piece in self.pieces)
-        self._bear = self._defined("bear")
-        self._relieve = self._defined("relieve")
-        self.has_tissue = bool(self._bear or self._relieve)
 
-    def _defined(self, hook: str) -> list[Callable[..., Vector | None]]:
+    def _defined(self, hook: str) -> list[Callable[..., None]]:
         return [getattr(piece, hook) for piece in self.pieces if getattr(type(piece), hook) is not getattr(Piece, hook)]
 
     def tasks(self) -> list[TimedTask]:
@@ -81,21 +79,35 @@ class Physiology:
                 piece.limit(rows[own], least[own])
                 first = own.stop
 
-    def tissue(self, angles: Vector) -> tuple[Vector, Matrix]:
-        """Moments (39,) N.m and their derivatives (39, 39) N.m/rad at joint angles, by all pieces; see Piece.bear."""
-        total, whole = np.zeros(_NJ), np.zeros((_NJ, _NJ))
-        for bear in self._bear:
-            moments, slopes = np.zeros(_NJ), np.zeros((_NJ, _NJ))
-            bear(angles, moments, slopes)
+
+class Tissue:
+    """What bears the torques of a worker's joints beside his muscles."""
+
+    def __init__(self, bearers: Sequence[Bearer]) -> None:
+        self.bearers = bearers
+
+    def moments(self, angles: Vector) -> tuple[Vector, Matrix]:
+        """Moments (39,) N.m at joint angles (39,) rad, and their derivatives (39, 39) N.m/rad; see Bearer.bear."""
+        n = len(angles)
+        total, whole = np.zeros(n), np.zeros((n, n))
+        for bearer in self.bearers:
+            moments, slopes = np.zeros(n), np.zeros((n, n))
+            bearer.bear(angles, moments, slopes)
             total += moments
             whole += slopes
         return total, whole
 
-    def stops(self, angles: Vector, muscle_nm: Vector) -> Vector:
-        """The reactions (39,) N.m of all stops; see Piece.relieve."""
-        total = np.zeros(_NJ)
-        for relieve in self._relieve:
-            reaction = relieve(angles, muscle_nm - total)
-            if reaction is not None:
-                total += reaction
-        return total
+    def borne(self, angles: Vector, torque_nm: Vector) -> Vector:
+        """Its part (39,) N.m of the torques that the joints need at these angles, the stops' with it."""
+        borne = self.moments(angles)[0]
+        for bearer in self.bearers:
+            reaction = np.zeros(len(angles))
+            bearer.relieve(angles, torque_nm - borne, reaction)
+            borne = borne + reaction
+        return borne
+
+
+def tissue_of(kind: HumanKind, person: Anthropometry) -> Tissue | None:
+    """The tissue of a worker; None if his muscles bear everything."""
+    bearers = [piece(person) for piece in PIECES[kind] if issubclass(piece, Bearer)]
+    return Tissue(bearers) if bearers else None

@@ -3,8 +3,9 @@
 import numpy as np
 
 from fatigue_planner.core.jit import compiled
+from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import degrees_of_freedom, position_limits
-from fatigue_planner.motion.physiology.piece import Piece, Scene, Vector
+from fatigue_planner.motion.physiology.piece import Bearer, Vector
 
 # How near to its end a joint rests on its stop.
 REACH_RAD = np.radians(1)
@@ -12,23 +13,22 @@ REACH_RAD = np.radians(1)
 AT_LOWER, AT_UPPER = ("knee_flexion", "elbow_flexion"), ("lumbar_flexion", "thoracic_flexion")
 
 
-class Stops(Piece):
+class Stops(Bearer):
     """Within a degree of its end a stop bears what muscles would have to exert inward; muscles bear the rest.
 
     It bears nothing a degree before the end and everything at the end, growing as 3 x^2 - 2 x^3 between, so that no
     torque steps. It only ever pushes inward.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        super().__init__(scene)
+    def __init__(self, person: Anthropometry) -> None:
+        super().__init__(person)
         lower, upper = position_limits()
         self.ends = np.where(_side(AT_UPPER), upper, lower)
         self.inward = np.where(_side(AT_LOWER), 1.0, np.where(_side(AT_UPPER), -1.0, 0.0))
 
-    def relieve(self, angles: Vector, muscle_nm: Vector) -> Vector | None:
-        """See Piece.relieve."""
-        reaction: Vector = _reaction(angles, muscle_nm, self.ends, self.inward)
-        return reaction
+    def relieve(self, angles: Vector, muscle_nm: Vector, reaction: Vector) -> None:
+        """See Bearer.relieve."""
+        _write_reaction(angles, muscle_nm, self.ends, self.inward, reaction)
 
 
 def _side(names: tuple[str, ...]) -> Vector:
@@ -39,11 +39,9 @@ def _side(names: tuple[str, ...]) -> Vector:
 
 
 @compiled
-def _reaction(angles: Vector, muscle_nm: Vector, ends: Vector, inward: Vector) -> Vector:
-    reaction = np.zeros(len(angles))
+def _write_reaction(angles: Vector, muscle_nm: Vector, ends: Vector, inward: Vector, reaction: Vector) -> None:
     for i in range(len(angles)):
         distance = inward[i] * (angles[i] - ends[i])
         if inward[i] != 0 and distance < REACH_RAD:
             near = min(1.0, 1 - distance / REACH_RAD)
             reaction[i] = inward[i] * near**2 * (3 - 2 * near) * max(0.0, inward[i] * muscle_nm[i])
-    return reaction

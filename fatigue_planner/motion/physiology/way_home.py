@@ -3,7 +3,7 @@
 import numpy as np
 
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.motion.minimum_jerk import minimum_jerk
 from fatigue_planner.motion.physiology.piece import Piece, Scene, Vector
 

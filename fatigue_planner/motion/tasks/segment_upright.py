@@ -29,9 +29,7 @@ class SegmentUprightTask(Task):
         """See Task.evaluate."""
         axis = state.placement(self.frame).rotation[:, 2]
         whole, drift = state.jacobian(self.frame), state.drift(self.frame)
-        _write_rows(
-            axis, self.direction, whole, state.velocity, drift, self.stiffness, self.damping, jacobian, target
-        )
+        _write_rows(axis, self.direction, whole, state.velocity, drift, self.stiffness, self.damping, jacobian, target)
 
 
 @compiled
