@@ -38,9 +38,9 @@ class EndMoments(Settings):
 
 
 class PassiveTable(NamedTuple):
-    """What `passive_moments` needs: for all degrees of freedom (39,) the ends of the range in rad, the moments there in
-    N.m and the exponents in 1/rad; the indices (2, 3) of hip, knee and ankle flexion of both legs; and by how much all
-    moments are multiplied.
+    """What the passive moments depend on: for all degrees of freedom (39,) the ends of the range in rad, the moments
+    there in N.m and the exponents in 1/rad; the indices (2, 3) of hip, knee and ankle flexion of both legs; and by how
+    much all moments are multiplied.
     """
 
     lower: Vector
@@ -70,40 +70,52 @@ def passive_table(person: Anthropometry) -> PassiveTable:
 
 
 def passive_moments_of(person: Anthropometry, angles: Vector) -> Vector:
-    """The passive moments (39,) N.m of a worker at joint angles (39,) rad."""
-    moments = np.empty(len(angles))
-    passive_moments(passive_table(person), angles, moments, np.zeros((len(angles), len(angles))))
+    """The passive moments (39,) N.m of a worker at joint angles (39,) rad; their signs are those of the angles."""
+    moments = np.zeros(len(angles))
+    add_passive_moments(passive_table(person), angles, moments)
     return moments
 
 
 @compiled
-def passive_moments(table: PassiveTable, angles: Vector, moments: Vector, slopes: Matrix) -> None:
-    """Write the passive moments (39,) N.m at joint angles (39,) rad and their derivatives (39, 39) N.m/rad.
-
-    `slopes` must be 0 where a moment does not depend on an angle; only the other entries are written. A row is a
-    moment, a column an angle. The sign of a moment is that of the degree of freedom.
-    """
+def add_passive_moments(table: PassiveTable, angles: Vector, moments: Vector) -> None:
+    """Add the passive moments at joint angles (39,) rad to moments (39,) N.m."""
     for i in range(len(angles)):
-        below = table.at_lower_nm[i] * np.exp(-table.per_rad[i] * (angles[i] - table.lower[i]))
-        above = table.at_upper_nm[i] * np.exp(table.per_rad[i] * (angles[i] - table.upper[i]))
-        moments[i] = below - above
-        slopes[i, i] = -table.per_rad[i] * (below + above)
+        if table.at_lower_nm[i] > 0 or table.at_upper_nm[i] > 0:
+            below = table.at_lower_nm[i] * np.exp(-table.per_rad[i] * (angles[i] - table.lower[i]))
+            above = table.at_upper_nm[i] * np.exp(table.per_rad[i] * (angles[i] - table.upper[i]))
+            moments[i] += table.scale * (below - above)
+    for leg in range(len(table.legs)):
+        hip, knee, ankle = table.legs[leg]
+        h, k, a = DEGREE * angles[hip], DEGREE * angles[knee], DEGREE * angles[ankle]
+        at_hip = np.exp(1.4655 - 0.0034 * k - 0.0750 * h) - np.exp(1.3403 - 0.0226 * k + 0.0305 * h) + 8.072
+        at_knee = np.exp(1.800 + 0.0460 * a - 0.0352 * k + 0.0217 * h)
+        at_knee += -np.exp(-3.971 + 0.0004 * a + 0.0495 * k - 0.0128 * h) - 4.820 + np.exp(2.220 - 1.50 * k)
+        at_ankle = np.exp(-7.9763 - 0.1949 * a + 0.0008 * k) - np.exp(2.1016 + 0.0843 * a - 0.0176 * k) + 1.792
+        moments[hip] += table.scale * at_hip
+        moments[knee] += table.scale * at_knee
+        moments[ankle] += table.scale * at_ankle
+
+
+@compiled
+def add_passive_slopes(table: PassiveTable, angles: Vector, slopes: Matrix) -> None:
+    """Add the derivatives of the passive moments (row) by the joint angles (column) to slopes (39, 39) N.m/rad."""
+    for i in range(len(angles)):
+        if table.at_lower_nm[i] > 0 or table.at_upper_nm[i] > 0:
+            below = table.at_lower_nm[i] * np.exp(-table.per_rad[i] * (angles[i] - table.lower[i]))
+            above = table.at_upper_nm[i] * np.exp(table.per_rad[i] * (angles[i] - table.upper[i]))
+            slopes[i, i] -= table.scale * table.per_rad[i] * (below + above)
+    per_degree = DEGREE * table.scale
     for leg in range(len(table.legs)):
         hip, knee, ankle = table.legs[leg]
         h, k, a = DEGREE * angles[hip], DEGREE * angles[knee], DEGREE * angles[ankle]
         extended, flexed = np.exp(1.4655 - 0.0034 * k - 0.0750 * h), np.exp(1.3403 - 0.0226 * k + 0.0305 * h)
-        moments[hip] = extended - flexed + 8.072
-        slopes[hip, hip] = DEGREE * (-0.0750 * extended - 0.0305 * flexed)
-        slopes[hip, knee] = DEGREE * (-0.0034 * extended + 0.0226 * flexed)
+        slopes[hip, hip] += per_degree * (-0.0750 * extended - 0.0305 * flexed)
+        slopes[hip, knee] += per_degree * (-0.0034 * extended + 0.0226 * flexed)
         straight = np.exp(1.800 + 0.0460 * a - 0.0352 * k + 0.0217 * h)
         bent, stopped = np.exp(-3.971 + 0.0004 * a + 0.0495 * k - 0.0128 * h), np.exp(2.220 - 1.50 * k)
-        moments[knee] = straight - bent - 4.820 + stopped
-        slopes[knee, ankle] = DEGREE * (0.0460 * straight - 0.0004 * bent)
-        slopes[knee, knee] = DEGREE * (-0.0352 * straight - 0.0495 * bent - 1.50 * stopped)
-        slopes[knee, hip] = DEGREE * (0.0217 * straight + 0.0128 * bent)
+        slopes[knee, ankle] += per_degree * (0.0460 * straight - 0.0004 * bent)
+        slopes[knee, knee] += per_degree * (-0.0352 * straight - 0.0495 * bent - 1.50 * stopped)
+        slopes[knee, hip] += per_degree * (0.0217 * straight + 0.0128 * bent)
         pointed, raised = np.exp(-7.9763 - 0.1949 * a + 0.0008 * k), np.exp(2.1016 + 0.0843 * a - 0.0176 * k)
-        moments[ankle] = pointed - raised + 1.792
-        slopes[ankle, ankle] = DEGREE * (-0.1949 * pointed - 0.0843 * raised)
-        slopes[ankle, knee] = DEGREE * (0.0008 * pointed + 0.0176 * raised)
-    moments *= table.scale
-    slopes *= table.scale
+        slopes[ankle, ankle] += per_degree * (-0.1949 * pointed - 0.0843 * raised)
+        slopes[ankle, knee] += per_degree * (0.0008 * pointed + 0.0176 * raised)

@@ -89,14 +89,15 @@ class Body:
         cycle, dt, ticks = self.request.cycle, self.request.controller.time_step_s, phases[-1].stop
         aim, first = self.physiology.aim(), 1 + len(self.hands)
         aiming = np.ones(ticks) if aim is None else aim
-        turned = aiming.copy()
-        if cycle.return_hand == "position":
-            turned[phases[-1].start :] *= 1 - rise_of(phases[-1], dt)
+        released = aiming.copy()
+        if cycle.return_hand != "pose":
+            released[phases[-1].start :] *= 1 - rise_of(phases[-1], dt)
         preferred = self.request.preference.tasks
         factors = [weight_factor_of(task.during, phases, dt) for task in preferred]
         own = [aiming if factor is None else aiming * factor for factor in factors]
         own += [share * aiming if aims else share for _, share, aims in added]
-        shares = [Share(index, 3, turned) for index in range(1, first)]
+        first_released = 0 if cycle.return_hand == "free" else 3
+        shares = [Share(index, first_released, released) for index in range(1, first)]
         if aim is not None:
             shares = [Share(index, 0, aiming) for index in range(1, first)] + shares
         return shares + [Share(first + index, 0, share) for index, share in enumerate(own) if (share != 1).any()]

@@ -103,11 +103,12 @@ class WholeBodyController:
         self._torque_rows = slice(equalities, equalities + self.nj)
         self._cone_rows = slice(self._torque_rows.stop, self._torque_rows.stop + CONE_ROWS * len(self.contacts))
         limits = physiology.limits
-        self.free = QuadraticProgram(nv + wrenches, equalities, settings.solver)
-        self.program = QuadraticProgram(nv + wrenches + limits, self._cone_rows.stop + limits, settings.solver)
-        self.limited = (
-            QuadraticProgram(nv + wrenches + limits, equalities + limits, settings.solver) if limits else None
+        sizes = [(0, equalities), (limits, self._cone_rows.stop + limits), (limits, equalities + limits)]
+        self.free, self.program, limited = (
+            QuadraticProgram(nv + wrenches + slacks, rows, settings.solver, eliminate=bool(physiology.pieces))
+            for slacks, rows in sizes
         )
+        self.limited = limited if limits else None
         self._limit_rows, self._least = np.zeros((limits, nv)), np.zeros(limits)
         self._lower, self._upper = human.model.lowerPositionLimit[7:], human.model.upperPositionLimit[7:]
         self._highest_torque = settings.torque_limit_factor * strength[0]

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.capsule_distance import capsule_distances
 from fatigue_planner.human.capsules import capsules_of
-from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.kinematics import Tree, poses, tree_of
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.physiology.piece import Matrix, Piece, Scene, Vector
@@ -36,21 +36,23 @@ class Clearance(Piece):
         human = scene.human
         self.tree, self.capsules = tree_of(human.anthropometry), capsules_of(human.anthropometry)
         self.moves = _moves(human)
-        self.least_m = np.minimum(APART_M, self._distances()[0])
+        self.least_m = np.minimum(APART_M, self._nearest()[0])
 
-    def _distances(self) -> tuple[Vector, Vector, Vector, Vector]:
-        ends = self.capsules.world_ends(poses_of(self.tree, self.scene.state.configuration[None]))[0]
-        found: tuple[Vector, Vector, Vector, Vector] = capsule_distances(
-            ends, self.capsules.radius_m, self.capsules.pairs
+    def _nearest(self) -> tuple[Vector, Vector, Vector, Vector]:
+        capsules = self.capsules
+        found: tuple[Vector, Vector, Vector, Vector] = _nearest(
+            self.tree, self.scene.state.configuration, capsules.ends_m, capsules.radius_m, capsules.pairs
         )
         return found
 
     def limit(self, rows: Matrix, least: Vector) -> None:
         """See Piece.limit."""
         state = self.scene.state
+        distance, normal, first, second = self._nearest()
         _write_rows(
-            *self._distances(), self.capsules.pairs, self.least_m, self.moves, state.data.J, state.velocity, rows, least
-        )
+            distance, normal, first, second, self.capsules.pairs, self.least_m, self.moves,
+            state.data.J, state.velocity, rows, least,
+        )  # fmt: skip
 
 
 def _moves(human: Human) -> NDArray[np.bool_]:
@@ -65,27 +67,53 @@ def _moves(human: Human) -> NDArray[np.bool_]:
 
 
 @compiled
+def _nearest(
+    tree: Tree, configuration: Vector, ends_m: Vector, radii: Vector, pairs: NDArray[np.int64]
+) -> tuple[Vector, Vector, Vector, Vector]:
+    """See capsule_distances; everything in the world."""
+    rotation, origin = poses(tree, configuration.reshape(1, -1))
+    ends = np.empty_like(ends_m)
+    for body in range(len(ends_m)):
+        for end in range(2):
+            for i in range(3):
+                ends[body, end, i] = origin[0, body, i]
+                for j in range(3):
+                    ends[body, end, i] += rotation[0, body, i, j] * ends_m[body, end, j]
+    return capsule_distances(ends, radii, pairs)
+
+
+@compiled
 def _write_rows(
     distance: Vector, normal: Matrix, first: Matrix, second: Matrix, pairs: NDArray[np.int64], least_m: Vector,
     moves: NDArray[np.bool_], jacobian: Matrix, velocity: Vector, rows: Matrix, least: Vector,
 ) -> None:  # fmt: skip
     """Write the rows of the nearest pairs; `jacobian` (6, 45): twists of all velocities at the world's origin."""
-    rows[:], least[:] = 0.0, -np.inf
-    order = np.argsort(distance)
+    previous, count = -np.inf, 0
     for row in range(len(rows)):
-        pair = order[row]
-        if distance[pair] > WATCHED_M:
-            return
-        n = normal[pair]
-        turn_first, turn_second = np.cross(first[pair], n), np.cross(second[pair], n)
+        # the nearest pair that is not written yet; equal distances are one after the other
+        pair = -1
+        for other in range(len(distance)):
+            d = distance[other]
+            if d > previous and d <= WATCHED_M and (pair < 0 or d < distance[pair]):
+                pair = other
+        if pair < 0:
+            break
+        previous = distance[pair]
+        i, j = pairs[pair]
+        nx, ny, nz = normal[pair]
+        ax, ay, az = first[pair]
+        bx, by, bz = second[pair]
         approach = 0.0
         for k in range(rows.shape[1]):
-            along = jacobian[0, k] * n[0] + jacobian[1, k] * n[1] + jacobian[2, k] * n[2]
             value = 0.0
-            for side, turn in ((0, turn_first), (1, turn_second)):
-                if moves[pairs[pair, side], k]:
-                    about = jacobian[3, k] * turn[0] + jacobian[4, k] * turn[1] + jacobian[5, k] * turn[2]
-                    value += (along + about) if side == 0 else -(along + about)
+            if moves[i, k] != moves[j, k]:
+                px, py, pz = (ax, ay, az) if moves[i, k] else (bx, by, bz)
+                value = jacobian[0, k] * nx + jacobian[1, k] * ny + jacobian[2, k] * nz
+                value += jacobian[3, k] * (py * nz - pz * ny)
+                value += jacobian[4, k] * (pz * nx - px * nz) + jacobian[5, k] * (px * ny - py * nx)
+                value = value if moves[i, k] else -value
             rows[row, k] = value
             approach += value * velocity[k]
         least[row] = -2 * RATE_PER_S * approach - RATE_PER_S**2 * (distance[pair] - least_m[pair])
+        count += 1
+    rows[count:], least[count:] = 0.0, -np.inf

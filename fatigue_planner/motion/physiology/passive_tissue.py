@@ -1,7 +1,7 @@
 """Ligaments, capsules and relaxed muscles bear a part of every joint's torque."""
 
 from fatigue_planner.human.anthropometry import Anthropometry
-from fatigue_planner.human.passive_moments import passive_moments, passive_table
+from fatigue_planner.human.passive_moments import add_passive_moments, add_passive_slopes, passive_table
 from fatigue_planner.motion.physiology.piece import Bearer, Matrix, Vector
 
 
@@ -12,6 +12,10 @@ class PassiveTissue(Bearer):
         super().__init__(person)
         self.table = passive_table(person)
 
-    def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
+    def bear(self, angles: Vector, moments: Vector) -> None:
         """See Bearer.bear."""
-        passive_moments(self.table, angles, moments, slopes)
+        add_passive_moments(self.table, angles, moments)
+
+    def stiffen(self, angles: Vector, slopes: Matrix) -> None:
+        """See Bearer.stiffen."""
+        add_passive_slopes(self.table, angles, slopes)

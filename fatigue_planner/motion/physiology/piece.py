@@ -98,11 +98,11 @@ class Bearer:
     def __init__(self, person: Anthropometry) -> None:
         self.person = person
 
-    def bear(self, angles: Vector, moments: Vector, slopes: Matrix) -> None:
-        """Write what it exerts at joint angles (39,) rad, (39,) N.m, and the derivatives (39, 39) N.m/rad.
+    def bear(self, angles: Vector, moments: Vector) -> None:
+        """Add what it exerts at joint angles (39,) rad to moments (39,) N.m."""
 
-        Both come with zeros.
-        """
+    def stiffen(self, angles: Vector, slopes: Matrix) -> None:
+        """Add the derivatives of what `bear` adds, (39, 39) N.m/rad; a row is a moment, a column an angle."""
 
-    def relieve(self, angles: Vector, muscle_nm: Vector, reaction: Vector) -> None:
-        """Write what it exerts, (39,) N.m, in place of muscles that would exert `muscle_nm`; it comes with zeros."""
+    def relieve(self, angles: Vector, torque_nm: Vector, moments: Vector) -> None:
+        """Add what it exerts to moments (39,) N.m, where joints need `torque_nm` (39,) and tissue bears moments."""

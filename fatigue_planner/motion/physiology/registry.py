@@ -87,23 +87,20 @@ class Tissue:
         self.bearers = bearers
 
     def moments(self, angles: Vector) -> tuple[Vector, Matrix]:
-        """Moments (39,) N.m at joint angles (39,) rad, and their derivatives (39, 39) N.m/rad; see Bearer.bear."""
-        n = len(angles)
-        total, whole = np.zeros(n), np.zeros((n, n))
+        """Moments (39,) N.m at joint angles (39,) rad, and their derivatives (39, 39) N.m/rad."""
+        moments, slopes = np.zeros(len(angles)), np.zeros((len(angles), len(angles)))
         for bearer in self.bearers:
-            moments, slopes = np.zeros(n), np.zeros((n, n))
-            bearer.bear(angles, moments, slopes)
-            total += moments
-            whole += slopes
-        return total, whole
+            bearer.bear(angles, moments)
+            bearer.stiffen(angles, slopes)
+        return moments, slopes
 
     def borne(self, angles: Vector, torque_nm: Vector) -> Vector:
         """Its part (39,) N.m of the torques that the joints need at these angles, the stops' with it."""
-        borne = self.moments(angles)[0]
+        borne = np.zeros(len(angles))
         for bearer in self.bearers:
-            reaction = np.zeros(len(angles))
-            bearer.relieve(angles, torque_nm - borne, reaction)
-            borne = borne + reaction
+            bearer.bear(angles, borne)
+        for bearer in self.bearers:
+            bearer.relieve(angles, torque_nm, borne)
         return borne
 
 

@@ -26,9 +26,9 @@ class Stops(Bearer):
         self.ends = np.where(_side(AT_UPPER), upper, lower)
         self.inward = np.where(_side(AT_LOWER), 1.0, np.where(_side(AT_UPPER), -1.0, 0.0))
 
-    def relieve(self, angles: Vector, muscle_nm: Vector, reaction: Vector) -> None:
+    def relieve(self, angles: Vector, torque_nm: Vector, moments: Vector) -> None:
         """See Bearer.relieve."""
-        _write_reaction(angles, muscle_nm, self.ends, self.inward, reaction)
+        _add_reactions(angles, torque_nm, self.ends, self.inward, moments)
 
 
 def _side(names: tuple[str, ...]) -> Vector:
@@ -39,9 +39,10 @@ def _side(names: tuple[str, ...]) -> Vector:
 
 
 @compiled
-def _write_reaction(angles: Vector, muscle_nm: Vector, ends: Vector, inward: Vector, reaction: Vector) -> None:
+def _add_reactions(angles: Vector, torque_nm: Vector, ends: Vector, inward: Vector, moments: Vector) -> None:
     for i in range(len(angles)):
         distance = inward[i] * (angles[i] - ends[i])
         if inward[i] != 0 and distance < REACH_RAD:
             near = min(1.0, 1 - distance / REACH_RAD)
-            reaction[i] = inward[i] * near**2 * (3 - 2 * near) * max(0.0, inward[i] * muscle_nm[i])
+            muscle_nm = max(0.0, inward[i] * (torque_nm[i] - moments[i]))
+            moments[i] += inward[i] * near**2 * (3 - 2 * near) * muscle_nm
