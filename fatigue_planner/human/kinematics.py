@@ -53,11 +53,12 @@ def tree_of(person: Anthropometry) -> Tree:
 
 def poses_of(tree: Tree, configuration: Vector) -> Poses:
     """The poses of all bodies at configurations (n, 46), as in `Human`."""
-    return Poses(*_poses(tree, np.ascontiguousarray(configuration)))
+    return Poses(*poses(tree, np.ascontiguousarray(configuration)))
 
 
 @compiled
-def _poses(tree: Tree, configuration: Vector) -> tuple[Vector, Vector]:
+def poses(tree: Tree, configuration: Vector) -> tuple[Vector, Vector]:
+    """The arrays of `Poses`, for compiled functions."""
     count, bodies = configuration.shape[0], tree.child.size + 1
     rotation, origin = np.empty((count, bodies, 3, 3)), np.empty((count, bodies, 3))
     for row in range(count):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fatigue_planner.human.capsules import capsules_of
 from fatigue_planner.human.joint_data import position_limits
 from fatigue_planner.human.kinematics import poses_of, tree_of
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion import posture_measures as posture
 from fatigue_planner.motion.body import MotionRequest

@@ -57,6 +57,8 @@ class Quality:
     from itself and from what was asked for: that it starts at rest in the stance, follows its own
     accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
     largest_load_share is the largest mean load of a joint during work, as a share of its strength.
+    torque_violation_nm is of the muscles' torques; tissue_violation_nm is how far the torques that are billed to
+    tissue are from its published moments at the end of each tick and what stops may bear.
     saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
     where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
     bounds, by up to eased_radps2. plausibility: what an observer sees of the motion.
@@ -70,6 +72,7 @@ class Quality:
     centre_of_pressure_violation_m: float
     wrench_cone_violation: float
     torque_violation_nm: float
+    tissue_violation_nm: float
     position_violation_rad: float
     velocity_violation_radps: float
     centre_of_mass_violation_m: float

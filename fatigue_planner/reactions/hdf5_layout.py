@@ -7,7 +7,7 @@ reason                      of a failed reaction: why it cannot be performed; it
 quality                     JSON: what was measured of the motion (`Quality`)
 time_step_s
 phases, phase_ticks         names; first and last + 1 tick
-torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2
+torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2, tissue_nm
                             one row per tick; attributes `units` and `columns`
 content_sha256              of all of the above
 
@@ -30,7 +30,7 @@ from pydantic import TypeAdapter, ValidationError
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import canonical_json, digest_of
 from fatigue_planner.human.capsules import checked_pairs
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
@@ -65,6 +65,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
     "hand_force_n": (6, "N", "force on the fist, world axes: right x, y, z, left x, y, z"),
     "hand_error_m": (None, "m", "distance of a fist from its reference, the larger of both"),
     "eased_radps2": (_N, "rad/s^2", f"how far accelerations are outside their bounds: {_JOINTS}"),
+    "tissue_nm": (_N, "N.m", f"of tissue and stops, beside the muscles: {_JOINTS}"),
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MAX_TEXT = 1_000_000

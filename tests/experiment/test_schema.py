@@ -13,7 +13,8 @@ from fatigue_planner.core.errors import ExperimentError, SelectionError
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.experiment.loader import complete_content, editor_schema, load_experiment, parse_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import NATURAL_POSTURE_DEG
+from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
+from fatigue_planner.human.stance import stance_deg
 from fatigue_planner.study.benchmark.selection import Selection, selected
 from fatigue_planner.study.claims.schema import ClaimsFile
 from fatigue_planner.study.sensitivity.settings import StudySettings
@@ -80,10 +81,13 @@ def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -
 def test_workers_are_the_human_of_the_experiment_unless_they_name_one() -> None:
     workers = {"anna": ANNA, "bob": ANNA | {"human": "paper"}}
     assert smallest().human == "natural"
-    stances = NATURAL_POSTURE_DEG
-    for mine, expected in ((smallest(workers=workers), ("natural", "paper")), (smallest(human="paper"), ("paper",))):
+    humans: tuple[HumanKind, HumanKind] = ("natural", "paper")
+    for mine, expected in (
+        (smallest(workers=workers), humans),
+        (smallest(human="paper", workers=workers), ("paper",) * 2),
+    ):
         found = tuple((worker.human, worker.natural_posture_deg) for worker in mine.workers.values())
-        assert found == tuple((human, stances[human]) for human in expected)
+        assert found == tuple((human, stance_deg(Anthropometry(1.65, 60, "female", human))) for human in expected)
         assert parse_experiment(complete_content(mine), "again") == mine
 
 

@@ -11,11 +11,14 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
 from fatigue_planner.human.kinematics import poses_of, tree_of
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
+from fatigue_planner.human.model import Human, Worker, build_human, joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
+from fatigue_planner.motion.physiology.piece import Scene
+from fatigue_planner.motion.physiology.registry import Physiology
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Coordinates
@@ -226,9 +229,10 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
     stay = WholePosture(weights.posture, stiffness.posture, human.stance[7:])
     strength = maximum_torque(paper.workers["average_man"].strength).vectors()
-    result = WholeBodyController(human, state, paper.controller, strength, stay, [balance]).step()
+    none = Physiology("paper", Scene(human, state, (), 0.01, {}))
+    result = WholeBodyController(human, state, paper.controller, strength, stay, none, [balance]).step()
     assert result is not None
-    acceleration, _, torque, _ = result
+    acceleration, _, torque, *_ = result
     np.testing.assert_allclose(acceleration, 0, atol=1e-3)
     share = np.maximum(torque / strength[0], -torque / strength[1])
     assert share.max() < paper.fatigue.threshold

@@ -10,7 +10,8 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import BASE_DOF, Human, build_human
+from fatigue_planner.human.model import Human, build_human
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.simulator import simulate

@@ -11,7 +11,8 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.capsules import capsules_of
 from fatigue_planner.human.joint_data import posture as angles
 from fatigue_planner.human.kinematics import Poses, poses_of, tree_of
-from fatigue_planner.human.model import Worker, build_human, joint_index, stand
+from fatigue_planner.human.model import Worker, build_human, joint_index
+from fatigue_planner.human.multibody import stand
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion import posture_measures as posture
 from fatigue_planner.motion.body import MotionRequest

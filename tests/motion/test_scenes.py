@@ -12,7 +12,8 @@ from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import GRAVITY_MPS2, build_human, joint_index
+from fatigue_planner.human.model import build_human, joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position, Waypoint
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.body_state import BodyState

@@ -26,7 +26,7 @@ from fatigue_planner.cli.view import view
 from fatigue_planner.core.errors import MissingReactionsError, SelectionError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import GRAVITY_MPS2
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import BODIES, JOINTS
 from fatigue_planner.output.figures.postures import filmstrip
 from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
