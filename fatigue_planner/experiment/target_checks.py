@@ -1,15 +1,15 @@
 """Where no hand can be: out of reach, below the floor, in the worker's own body, or where the other hand is."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import told_apart
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.capsule_distance import capsule_distances
 from fatigue_planner.human.capsules import capsules_of
-from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import Human, Worker
 from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.action import Action
@@ -25,23 +25,50 @@ ROOTED = ("pelvis", "abdomen", "thorax", "neck", "head", *(f"{side}_{part}" for 
 ROOM_M = 0.005
 
 
+class Standing(NamedTuple):
+    """What is asked again and again of a worker: the farthest reach, the capsules of ROOTED in the stance, the fist."""
+
+    longest_m: float
+    ends_m: Vector
+    radius_m: Vector
+    fist_m: float
+
+    def depths_m(self, point: Vector) -> Vector:
+        """How deep a fist at a point (3,) m is in each of the capsules."""
+        begin, along = self.ends_m[:, 0], self.ends_m[:, 1] - self.ends_m[:, 0]
+        share = np.clip(np.sum((point - begin) * along, axis=1) / np.sum(along**2, axis=1), 0, 1)
+        away = np.linalg.norm(point - begin - share[:, None] * along, axis=1)
+        return np.asarray(self.radius_m + self.fist_m - away)
+
+
 def target_faults(experiment: Experiment, humans: dict[str, Human]) -> Iterator[str]:
     """Targets that some worker's hand cannot be at, each with its key."""
+    workers = {name: _standing(experiment.workers[name], human) for name, human in humans.items()}
     for name, action in experiment.actions.items():
-        for worker, human in humans.items():
+        for worker, standing in workers.items():
             for side, goal in action.goals().items():
                 key = f"actions.{name}.{side}_hand.{'position_m' if goal.position_m else 'waypoints'}"
                 points = np.array([waypoint.position_m.vector() for waypoint in goal.path()])
-                yield from _reach_faults(key, points, worker, experiment.workers[worker])
-                yield from _body_faults(key, points, worker, human)
-            yield from _meeting_faults(experiment, name, action, worker, human)
+                distance = float(np.linalg.norm(points, axis=1).max())
+                if distance > standing.longest_m:
+                    away, reach = told_apart(distance, standing.longest_m, ".2f")
+                    yield (
+                        f"{key}: {away} m from the feet; ankle, leg, trunk and arm of worker {worker} together measure "
+                        f"{reach} m."
+                    )
+                    continue
+                yield from _body_faults(key, points, worker, standing)
+            yield from _meeting_faults(experiment, name, action, worker, standing)
 
 
-def _reach_faults(key: str, points: Vector, name: str, worker: Worker) -> Iterator[str]:
-    distance, longest = float(np.linalg.norm(points, axis=1).max()), _longest_reach_m(worker)
-    if distance > longest:
-        away, reach = told_apart(distance, longest, ".2f")
-        yield (f"{key}: {away} m from the feet; ankle, leg, trunk and arm of worker {name} together measure {reach} m.")
+def _standing(worker: Worker, human: Human) -> Standing:
+    capsules, data = capsules_of(human.anthropometry), human.model.createData()
+    pin.framesForwardKinematics(human.model, data, human.stance)
+    placements = [data.oMf[human.model.getFrameId(part)] for part in ROOTED]
+    own = [BODIES.index(part) for part in ROOTED]
+    ends = [ends @ at.rotation.T + at.translation for ends, at in zip(capsules.ends_m[own], placements, strict=True)]
+    fist_m = float(capsules.radius_m[BODIES.index("right_hand")])
+    return Standing(_longest_reach_m(worker), np.array(ends), capsules.radius_m[own], fist_m)
 
 
 def _longest_reach_m(worker: Worker) -> float:
@@ -56,20 +83,14 @@ def _longest_reach_m(worker: Worker) -> float:
     return float(sum(np.linalg.norm(link) for link in [feet, *links, body.grip_m()]))
 
 
-def _body_faults(key: str, points: Vector, name: str, human: Human) -> Iterator[str]:
+def _body_faults(key: str, points: Vector, name: str, standing: Standing) -> Iterator[str]:
     """Points in a part of the standing body, where the worker has no room to make for a hand; and in the floor."""
-    capsules = capsules_of(human.anthropometry)
-    fist_m = capsules.radius_m[BODIES.index("right_hand")]
-    lowest = float(points[:, 2].min())
+    fist_m, lowest = standing.fist_m, float(points[:, 2].min())
     if lowest < fist_m:
         height, least = told_apart(100 * lowest, 100 * fist_m, ".1f")
         yield f"{key}: {height} cm above the floor; the centre of worker {name}'s fist is {least} cm above it at least."
-    ends = capsules.world_ends(poses_of(tree_of(human.anthropometry), human.stance[None]))[0]
-    radii = np.append(capsules.radius_m, fist_m)
-    pairs = np.array([[BODIES.index(part), len(BODIES)] for part in ROOTED])
     for point in points:
-        with_fist = np.concatenate([ends, np.broadcast_to(point, (1, 2, 3))])
-        depth = -capsule_distances(with_fist, radii, pairs)[0]
+        depth = standing.depths_m(point)
         if depth.max() > ROOM_M:
             part = ROOTED[int(depth.argmax())].replace("_", " ")
             x, y, z = (f"{value:g}" for value in point)
@@ -79,7 +100,9 @@ def _body_faults(key: str, points: Vector, name: str, human: Human) -> Iterator[
             )
 
 
-def _meeting_faults(experiment: Experiment, name: str, action: Action, worker: str, human: Human) -> Iterator[str]:
+def _meeting_faults(
+    experiment: Experiment, name: str, action: Action, worker: str, standing: Standing
+) -> Iterator[str]:
     """Both hands nearer to each other, at a time of the work, than two fists are thick."""
     late = any(goal.path()[-1].work_time_s > experiment.cycle.work_s for goal in action.goals().values())
     if late or len(action.goals()) < len(SIDES):
@@ -89,7 +112,7 @@ def _meeting_faults(experiment: Experiment, name: str, action: Action, worker: s
     work = slice(phases[1].start, phases[1].stop)
     right, left = (hand_reference(home, goal, phases, step).position_m[work] for goal in action.goals().values())
     apart = np.linalg.norm(right - left, axis=1)
-    thick = 2 * float(capsules_of(human.anthropometry).radius_m[BODIES.index("right_hand")])
+    thick = 2 * standing.fist_m
     if apart.min() < thick:
         near, least = told_apart(100 * float(apart.min()), 100 * thick, ".1f")
         yield (
