@@ -44,15 +44,19 @@ def stance_deg(person: Anthropometry) -> dict[str, float]:
 
 
 def _abduction_deg(person: Anthropometry) -> float:
-    """The least abduction at which arms and body are apart, or else the one that keeps them farthest apart."""
+    """The least abduction at which arms and body are apart, or else the one that keeps them farthest apart.
+
+    The upper arm may touch the chest beside the shoulder.
+    """
     model, tree, capsules = multibody(person), tree_of(person), capsules_of(person)
+    pairs = capsules.pairs[~capsules.joined]
     angles = np.arange(0.0, MAX_ABDUCTION_DEG + ABDUCTION_STEP_DEG, ABDUCTION_STEP_DEG)
     nearest = []
     for angle in angles:
         arms = {"elbow_flexion": ELBOW_DEG, "shoulder_abduction": float(angle)}
         configuration = stand(model, posture(arms, "stance"))
         ends = capsules.world_ends(poses_of(tree, configuration[None]))[0]
-        nearest.append(capsule_distances(ends, capsules.radius_m, capsules.pairs)[0].min())
+        nearest.append(capsule_distances(ends, capsules.radius_m, pairs)[0].min())
         if nearest[-1] >= APART_M:
             return float(angle)
     return float(angles[int(np.argmax(nearest))])
