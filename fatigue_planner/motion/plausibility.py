@@ -36,10 +36,10 @@ class Plausibility:
     In the middle of the work, in degrees: twist and side bend of the trunk, its lean, the angle between gaze and
     object, the roll of the head and, of a hand without a goal, the upper arm from the vertical (0 if both have one).
     During work: how far an upper arm is turned beyond its range. At any tick: how deep two parts of the body are in
-    each other, and which (neighbours: deeper than in the stance); for how long which joint is at an end of its range with muscles that push it there; the
-    largest torque step of which joint within 40 ms, in phases of 3 s and more. At the last tick: how far which joint
-    is from the stance, and the largest speed. At the first, in the stance: the largest load of a joint as a share of
-    its strength.
+    each other, and which (neighbours: deeper than in the stance); for how long which joint is at an end of its range
+    with muscles that push it there; the largest torque step of which joint within 40 ms, in phases of 3 s and more. At
+    the last tick: how far which joint is from the stance, and the largest speed. At the first, in the stance: the
+    largest load of a joint as a share of its strength.
     """
 
     trunk_twist_deg: float
