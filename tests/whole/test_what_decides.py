@@ -32,7 +32,7 @@ from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.reactions import key as reaction_key
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 from fatigue_planner.study.benchmark import bounds, cell, regret
-from fatigue_planner.study.benchmark.bounds import bound_digest
+from fatigue_planner.study.benchmark.bounds import bound_jobs
 from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
@@ -71,13 +71,12 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             known[what_tires] = cycle_profiles(experiment, moved)
         all_cells = cells(experiment, known[what_tires])
         judges = references(experiment, all_cells)
-        scenarios = {(cell.condition, cell.n_cycles): cell.scenario for cell in all_cells}
         named = {(cell.condition, cell.n_cycles, cell.policy): cell for cell in all_cells}
         return Keys(
             {tuple(request.name): request.digest for request in reaction_requests(experiment)},
             {name: cell.digest() for name, cell in named.items()},
             {name: RegretJob(cell, judges[name[0]], {}).digest() for name, cell in named.items()},
-            {name: bound_digest(scenario, name[1]) for name, scenario in scenarios.items() if scenario.prior is None},
+            {(job.condition, job.n_cycles): job.digest() for job in bound_jobs(all_cells)},
         )
 
     with pytest.MonkeyPatch.context() as patch:
@@ -409,8 +408,6 @@ def test_what_decides_nothing_changes_nothing(moved: tuple[Reaction, ...], tmp_p
         experiment = parsed(settings)
         grid_cells = cells(experiment, cycle_profiles(experiment, moved))
         results, _ = run_grid(grid_cells, tmp_path / str(number), LocalProcesses(1), lambda job, n: None)
-        outcomes = [
-            cell.outcome(result) for cell, done in zip(grid_cells, results, strict=True) for result in done.values()
-        ]
+        outcomes = [result for done in results for result in done.values()]
         found.append((outcomes, sorted(path.parent.name for path in (tmp_path / str(number)).rglob("*.json"))))
     assert found[0] == found[1]

@@ -39,10 +39,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.planners.bounds.history_classes import HistoryClasses, class_memory
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.sub_solution import cost_to_go
-from fatigue_planner.planners.bounds.task import hidden_state, known_state
+from fatigue_planner.planners.bounds.task import HistoryClasses, class_memory, hidden_state, known_state
 from fatigue_planner.pomdp.scenario import Scenario
 
 Vector = NDArray[np.float64]
