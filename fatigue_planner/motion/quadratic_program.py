@@ -112,7 +112,7 @@ class QuadraticProgram:
         lower, upper, multipliers = self._lower, self._upper, self._multipliers
         active = np.flatnonzero((multipliers != 0) | (lower == upper))
         bound = np.where(multipliers[active] < 0, lower[active], upper[active])
-        answer: Vector = np.linalg.lstsq(*self._conditions(active, bound), rcond=None)[0]
+        answer = np.asarray(np.linalg.lstsq(*self._conditions(active, bound), rcond=None)[0], dtype=np.float64)
         return self._kept_if_better(missed, answer, active)
 
     def _eliminated(self, missed: float) -> float:
@@ -124,7 +124,7 @@ class QuadraticProgram:
             active = np.flatnonzero((side != 0) | equal)
             bound = np.where(side[active] < 0, lower[active], upper[active])
             try:
-                answer: Vector = np.linalg.solve(*self._conditions(active, bound))
+                answer = np.asarray(np.linalg.solve(*self._conditions(active, bound)), dtype=np.float64)
             except np.linalg.LinAlgError:
                 return missed
             values = np.concatenate([self.A @ answer[:n], answer[:n]])

@@ -218,7 +218,7 @@ def test_a_hand_that_can_turn_neither_way_says_why(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_brisk_cycle_ends_at_home_all_the_same() -> None:
-    brisk = REQUESTS["arm"].cycle.model_copy(update={"reach_s": 1.5, "return_s": 1.5})
+    brisk = REQUESTS["arm"].cycle.model_copy(update={"reach_s": 2.0, "return_s": 2.0})
     request = replace(REQUESTS["arm"], cycle=brisk)
     found = seen(request, simulate(request))
     assert found.end_pose_deg < 1 and found.end_speed_degps < 1
