@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import FailedMotionError, told_apart
 from fatigue_planner.motion.body import Body
-from fatigue_planner.motion.controller import LimitKind
+from fatigue_planner.motion.obstacle import LimitKind
 from fatigue_planner.motion.quality import Saturation, saturation
 from fatigue_planner.motion.schedule import phases_of
 
