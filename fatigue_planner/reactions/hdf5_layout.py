@@ -250,6 +250,8 @@ def _quality(found: Array) -> Quality:
     joints = {quality.largest_load_joint, quality.saturated_joint, seen.pushing_joint, seen.torque_step_joint}
     if not joints | {seen.end_pose_joint, seen.stance_load_joint} <= {"", *DEGREES_OF_FREEDOM}:
         raise ValueError("its quality names an unknown joint")
+    if not quality.tested_causes.isprintable() or len(quality.tested_causes) > MAX_REASON:
+        raise ValueError("its quality is not as this program writes it")
     if seen.penetration_parts not in {"", *(f"{first} and {second}" for first, second in checked_pairs())}:
         raise ValueError("its quality names an unknown part of the body")
     return quality

@@ -74,7 +74,8 @@ def faults_of(stored: Reaction | FailedReaction) -> list[str]:
 
 
 def _flat(quality: Quality) -> dict[str, Any]:
-    """All measures of a motion by name."""
+    """All that can be measured of a stored motion, by name."""
     measures = asdict(quality)
+    del measures["tested_causes"]
     seen: dict[str, Any] = measures.pop("plausibility")
     return measures | seen

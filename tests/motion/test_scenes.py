@@ -413,15 +413,6 @@ def test_who_is_pushed_leans_against_it(request_: MotionRequest, paper: Experime
     assert measure(request, motion).centre_of_pressure_violation_m < 0
 
 
-def test_a_target_beyond_the_arm_is_said_to_be_out_of_reach(paper: Experiment) -> None:
-    from fatigue_planner.core.errors import FailedMotionError
-
-    request = reaction_requests(paper)[0].motion
-    goal = HandGoal(position_m=Position(x=1.5, y=-0.25, z=1.2), orientation_deg=FORWARD)
-    with pytest.raises(FailedMotionError, match=r"Out of reach: the right hand should be \d\.\d\d m from the shoulder"):
-        simulate(replace(request, action=Action(right_hand=goal)))
-
-
 def test_the_way_home_may_leave_the_hands_free_to_turn() -> None:
     """A small woman lifts with both hands to 1.2 m and comes back; with a prescribed turn she cannot."""
     experiment = load_experiment(EXPERIMENTS / "workers.yaml")

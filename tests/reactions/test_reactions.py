@@ -114,7 +114,7 @@ def test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again(
     told = [outcome for experiment in (strict, brief, strict) for outcome in complete(experiment, tmp_path)[1]]
     assert [outcome.verdict for outcome in told] == ["failed", "implausible", "failed"]
     assert [outcome.found for outcome in told] == [False, True, True]
-    assert told[0].failure == told[2].failure and "out of reach" in told[0].failure and told[1].failure == ""
+    assert told[0].failure == told[2].failure and "the hand stays" in told[0].failure and told[1].failure == ""
     assert len(ReactionCache(tmp_path).files()) == 1
     assert load_reactions(strict, tmp_path, "fatplan simulate") == ()
     assert len(load_reactions(brief, tmp_path, "fatplan simulate")) == 1
@@ -129,6 +129,7 @@ def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Expe
     _, again = complete(weak, tmp_path / "a")
     assert [outcome.found for outcome in (*first, *again)] == [False, True]
     assert first[0].failure == again[0].failure and "no admissible movement" in first[0].failure
+    assert first[0].failure.endswith("it fails without load, at half the speed and half-way to the hanging hand.")
     assert load_reactions(weak, tmp_path / "a", "fatplan simulate") == ()
     (path,) = cache.files()
     assert verify_entry(path).verdict == "ok" and first[0].failure in verify_entry(path).reason
