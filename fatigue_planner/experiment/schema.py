@@ -132,7 +132,8 @@ class Experiment(Settings):
             return workers
         human = info.data["human"]
         return {
-            name: {"human": human, **worker} if isinstance(worker, dict) else worker for name, worker in workers.items()
+            name: {**worker, "human": worker.get("human", human)} if isinstance(worker, dict) else worker
+            for name, worker in workers.items()
         }
 
     @field_validator("benchmark", mode="before")

@@ -55,6 +55,11 @@ class Capsules:
     radius_m: Vector
     pairs: Indices
 
+    @property
+    def joined(self) -> NDArray[np.bool_]:
+        """Which pairs (p,) share a joint: their flesh may meet beside it in the stance, more so in stout people."""
+        return np.array([_neighbours(BODIES[a], BODIES[b]) for a, b in self.pairs])
+
     def world_ends(self, poses: Poses) -> Vector:
         """The ends of all axes in the world, (n, 17, 2, 3) m."""
         return np.asarray(np.einsum("nbij,bej->nbei", poses.rotation, self.ends_m) + poses.origin_m[:, :, None])
@@ -118,10 +123,15 @@ _EXCLUDED_ON_ONE_SIDE = {("upper_arm", "hand"): "the range of the elbow keeps th
 _CHECKED_NEIGHBOURS = ("thorax", "upper_arm")
 
 
+def _neighbours(first: str, second: str) -> bool:
+    """Whether two bodies share a joint."""
+    return any({joint.parent, joint.child} == {first, second} for joint in JOINTS)
+
+
 def exclusion(first: str, second: str) -> str:
     """Why two bodies, in the order of the skeleton, are not checked against each other; empty if they are."""
     kinds = without_side(first), without_side(second)
-    if any({joint.parent, joint.child} == {first, second} for joint in JOINTS) and kinds != _CHECKED_NEIGHBOURS:
+    if _neighbours(first, second) and kinds != _CHECKED_NEIGHBOURS:
         return _NEIGHBOURS
     ordered = min(kinds, kinds[::-1], key=lambda pair: pair not in _EXCLUDED)
     one_side = any(first.startswith(side) and second.startswith(side) for side in SIDES)

@@ -35,14 +35,14 @@ def _usual_stance(worker: Mapping[str, Any]) -> dict[str, float]:
 class Worker(Settings):
     """A worker as an experiment describes him or her."""
 
+    height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
+    mass_kg: float = Field(ge=40, le=150, description="Body mass in kg.")
+    sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
     human: HumanKind = Field(
         default="natural",
         description="The digital human: with the physiology that the paper leaves out (natural), or without it "
         "(paper). Default in an experiment: its `human`.",
     )
-    height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
-    mass_kg: float = Field(ge=40, le=150, description="Body mass in kg.")
-    sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
     strength: str = Field(
         default_factory=lambda worker: "average_woman" if worker.get("sex") == "female" else "average_man",
         min_length=1,

@@ -29,8 +29,8 @@ KNEE_DEG = ELBOW_DEG = 5.0
 CARRYING = ("ankle_flexion", "knee_flexion", "hip_flexion", "lumbar_flexion")
 # A pelvis tilted by a degree is as unwelcome as a load of so much of the strength (assumed).
 TILT_SHARE_PER_DEG = 0.02
-# The arms are held away from the body until all its parts are this far apart, but by no more than MAX_ABDUCTION_DEG.
-APART_M, ABDUCTION_STEP_DEG, MAX_ABDUCTION_DEG = 0.005, 0.5, 10.0
+# The arms are held away from the body until they are not in it any more, but by no more than MAX_ABDUCTION_DEG.
+ABDUCTION_STEP_DEG, MAX_ABDUCTION_DEG = 0.5, 10.0
 ITERATIONS, DIFFERENCE_DEG = 4, 1e-3
 
 
@@ -44,16 +44,20 @@ def stance_deg(person: Anthropometry) -> dict[str, float]:
 
 
 def _abduction_deg(person: Anthropometry) -> float:
-    """The least abduction at which arms and body are apart, or else the one that keeps them farthest apart."""
+    """The least abduction at which the arms are not in the body, or else the one that keeps them farthest apart.
+
+    The upper arm may touch the chest beside the shoulder.
+    """
     model, tree, capsules = multibody(person), tree_of(person), capsules_of(person)
+    pairs = capsules.pairs[~capsules.joined]
     angles = np.arange(0.0, MAX_ABDUCTION_DEG + ABDUCTION_STEP_DEG, ABDUCTION_STEP_DEG)
     nearest = []
     for angle in angles:
         arms = {"elbow_flexion": ELBOW_DEG, "shoulder_abduction": float(angle)}
         configuration = stand(model, posture(arms, "stance"))
         ends = capsules.world_ends(poses_of(tree, configuration[None]))[0]
-        nearest.append(capsule_distances(ends, capsules.radius_m, capsules.pairs)[0].min())
-        if nearest[-1] >= APART_M:
+        nearest.append(capsule_distances(ends, capsules.radius_m, pairs)[0].min())
+        if nearest[-1] >= 0:
             return float(angle)
     return float(angles[int(np.argmax(nearest))])
 

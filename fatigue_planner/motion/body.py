@@ -51,9 +51,12 @@ class Share(NamedTuple):
 
 
 class Body:
-    """The worker with masses in the hands: state, tasks and controller."""
+    """The worker with masses in the hands: state, tasks and controller.
 
-    def __init__(self, request: MotionRequest, run: Run) -> None:
+    other_way: the hands that turn the longer way round to their work.
+    """
+
+    def __init__(self, request: MotionRequest, run: Run, other_way: frozenset[Side] = frozenset()) -> None:
         self.request, settings = request, request.controller
         weights, stiffness = settings.weights, settings.stiffness_per_s2
         self.human: Human = build_human(request.worker, run.right_kg, run.left_kg)
@@ -62,7 +65,10 @@ class Body:
         self.hand_frames = {side: state.frame(f"{side}_grip") for side in SIDES}
         phases, dt = phases_of(request.cycle, settings.time_step_s), settings.time_step_s
         goals = request.action.goals()
-        paths = {side: hand_reference(self.hand_pose(side), goal, phases, dt) for side, goal in goals.items()}
+        paths = {
+            side: hand_reference(self.hand_pose(side), goal, phases, dt, side in other_way)
+            for side, goal in goals.items()
+        }
         self.physiology = Physiology(request.worker.human, Scene(self.human, state, phases, dt, paths))
         hand_weight = self.physiology.hand_weight_factor * weights.hand
         self.hands: dict[Side, HandTask] = {

@@ -8,7 +8,6 @@ stay, as rows. What is solved is the same program, 2-4 times faster.
 Wrenches act from the ground on the foot (the paper writes them with the opposite sign).
 """
 
-from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -16,13 +15,14 @@ from numpy.typing import NDArray
 
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.multibody import BASE_DOF, GRAVITY_MPS2
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
+from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.assembly import assemble, keeps, within_limits, without_tissue
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.contact import CONE_ROWS, WRENCH, SoleContact, wrench_cone
 from fatigue_planner.motion.joint_limits import acceleration_bounds
+from fatigue_planner.motion.obstacle import LimitKind, Limits, Obstacle, least_obstacle
 from fatigue_planner.motion.physiology.registry import Physiology, Tissue
-from fatigue_planner.motion.quadratic_program import QuadraticProgram, smallest_slack, solve_eased, solve_with_fallback
+from fatigue_planner.motion.quadratic_program import QuadraticProgram, solve_eased, solve_with_fallback
 from fatigue_planner.motion.settings import Controller
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Task
@@ -53,23 +53,6 @@ class Tick(NamedTuple):
     torque_nm: Vector
     eased_radps2: Vector
     tissue_nm: Vector
-
-
-class LimitKind(Enum):
-    """The limits that may leave no movement."""
-
-    JOINT = "joint range"
-    TORQUE = "torque"
-    CONTACT = "contact"
-
-
-class Obstacle(NamedTuple):
-    """The limit in the way of any movement: its kind, its location, by how much in words, and relative to its scale."""
-
-    kind: LimitKind
-    location: str
-    amount: str
-    share: float
 
 
 class WholeBodyController:
@@ -125,10 +108,13 @@ class WholeBodyController:
         self._contact_jacobian, self._required = np.zeros((wrenches, nv)), np.zeros(wrenches)
         self._not_eased, self._no_tissue = np.zeros(self.nj), np.zeros(self.nj)
         self._torque_map = np.zeros((self.nj, nv + wrenches))
-        self._scale = {
-            LimitKind.JOINT: np.full(self.nj, settings.acceleration_limit_radps2),
-            LimitKind.TORQUE: np.maximum(*strength),
-            LimitKind.CONTACT: np.full(CONE_ROWS * len(self.contacts), human.mass_kg * GRAVITY_MPS2),
+        none = np.arange(0)
+        force_n = np.full(CONE_ROWS * len(self.contacts), human.mass_kg * GRAVITY_MPS2)
+        braking = np.full(self.nj, settings.acceleration_limit_radps2)
+        self._limits = {
+            LimitKind.JOINT: Limits(np.arange(BASE_DOF, nv), none, braking),
+            LimitKind.TORQUE: Limits(none, np.r_[self._torque_rows], np.maximum(*strength)),
+            LimitKind.CONTACT: Limits(none, np.r_[self._cone_rows], force_n),
         }
         self._held = False
         self._set_constant_parts(human)
@@ -221,8 +207,8 @@ class WholeBodyController:
 
     def _eased_tick(self) -> Tick | None:
         """The solution with the bounds of the joint accelerations eased as little as possible."""
-        joints = np.arange(BASE_DOF, self.nv)
-        slack = self._slack(LimitKind.JOINT)
+        joints = self._limits[LimitKind.JOINT].bounds
+        slack = self._limits[LimitKind.JOINT].slack(self.program)
         if slack is None or np.abs(slack).max() > MAX_EASED_RADPS2:
             return None
         lowest, highest = self.program.lower[joints], self.program.upper[joints]
@@ -235,37 +221,7 @@ class WholeBodyController:
     def obstacle(self) -> Obstacle | None:
         """After a step without solution: the limit that would have to be relaxed least, of all kinds, to allow one."""
         self.fill_whole_program()
-        obstacles = [obstacle for kind in LimitKind for obstacle in [self._obstacle(kind)] if obstacle is not None]
-        return min(obstacles, key=lambda obstacle: obstacle.share, default=None)
-
-    def _obstacle(self, kind: LimitKind) -> Obstacle | None:
-        """How far the limits of one kind have to be relaxed if no others may be; None if that does not help."""
-        slack = self._slack(kind)
-        if slack is None:
-            return None
-        share = np.abs(slack) / self._scale[kind]
-        worst = int(share.argmax())
-        excess = abs(slack[worst])
-        match kind:
-            case LimitKind.JOINT:
-                location, amount = DEGREES_OF_FREEDOM[worst], f"{excess:.0f} rad/s^2 beyond what it may accelerate"
-            case LimitKind.TORQUE:
-                limit = (self._highest_torque if slack[worst] > 0 else -self._lowest_torque)[worst]
-                location = DEGREES_OF_FREEDOM[worst]
-                amount = f"{excess:.1f} N.m more than the {limit:.1f} N.m allowed"
-            case LimitKind.CONTACT:
-                location, amount = f"the {SIDES[worst // CONE_ROWS]} foot", "it would lift, tip or slip"
-        return Obstacle(kind, location, amount, float(share[worst]))
-
-    def _slack(self, kind: LimitKind) -> Vector | None:
-        """By how much, at least, the limits of one kind have to be relaxed for a solution."""
-        bounds = np.arange(BASE_DOF, self.nv) if kind is LimitKind.JOINT else np.arange(0)
-        rows = {
-            LimitKind.JOINT: np.arange(0),
-            LimitKind.TORQUE: np.r_[self._torque_rows],
-            LimitKind.CONTACT: np.r_[self._cone_rows],
-        }[kind]
-        return smallest_slack(self.program, bounds, rows, self._scale[kind])
+        return least_obstacle(self.program, self._limits, self._lowest_torque, self._highest_torque)
 
     def weigh(self, task: int, share: float, first_row: int = 0) -> None:
         """Give a task (by its index), or its rows from `first_row` on, a fraction of its weight."""

@@ -36,10 +36,10 @@ class Plausibility:
     In the middle of the work, in degrees: twist and side bend of the trunk, its lean, the angle between gaze and
     object, the roll of the head and, of a hand without a goal, the upper arm from the vertical (0 if both have one).
     During work: how far an upper arm is turned beyond its range. At any tick: how deep two parts of the body are in
-    each other, and which; for how long which joint is at an end of its range with muscles that push it there; the
-    largest torque step of which joint within 40 ms, in phases of 3 s and more. At the last tick: how far which joint
-    is from the stance, and the largest speed. At the first, in the stance: the largest load of a joint as a share of
-    its strength.
+    each other, and which (neighbours: deeper than in the stance); for how long which joint is at an end of its range
+    with muscles that push it there; the largest torque step of which joint within 40 ms, in phases of 3 s and more. At
+    the last tick: how far which joint is from the stance, and the largest speed. At the first, in the stance: the
+    largest load of a joint as a share of its strength.
     """
 
     trunk_twist_deg: float
@@ -152,7 +152,9 @@ def measure_plausibility(request: MotionRequest, motion: Motion) -> Plausibility
     at_work = type(poses)(*(part[motion.phase("work")] for part in poses))
     free = [posture.upper_arm_elevation(now, side)[0] for side in SIDES if side not in working]
     capsules = capsules_of(person)
-    nearest = posture.distances(poses, capsules).min(axis=0)
+    apart_m = posture.distances(poses, capsules)
+    in_stance_m = np.where(capsules.joined, np.minimum(apart_m[0], 0.0), 0.0)
+    nearest = apart_m.min(axis=0) - in_stance_m
     depth, pair = _largest(-nearest, [f"{BODIES[a]} and {BODIES[b]}" for a, b in capsules.pairs])
     pushed = _pushed(request, motion).sum(axis=0) * motion.time_step_s
     home = np.degrees(np.abs(motion.configuration[-1, BASE_DOF + 1 :] - motion.configuration[0, BASE_DOF + 1 :]))

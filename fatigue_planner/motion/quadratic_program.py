@@ -22,6 +22,8 @@ Indices = NDArray[np.intp]
 OPTIMALITY = 1e-6
 # Solvers stop at constraints kept to about 1e-6; an answer between these two is worth polishing.
 POLISH, ROUGH = 1e-9, 1e-2
+# How often the set of constraints that hold an answer is mended, and by how much one may be broken.
+REFINEMENTS, BROKEN = 5, 1e-11
 
 FALLBACK_SOLVER = {"daqp": "qpoases", "qpoases": "daqp"}
 
@@ -105,24 +107,52 @@ class QuadraticProgram:
 
         A Newton step on the optimality conditions, as OSQP takes it; kept only where it is an improvement.
         """
-        n = len(self.g)
+        if self.eliminate and (after := self._eliminated(missed)) <= POLISH:
+            return after
         lower, upper, multipliers = self._lower, self._upper, self._multipliers
         active = np.flatnonzero((multipliers != 0) | (lower == upper))
         bound = np.where(multipliers[active] < 0, lower[active], upper[active])
-        matrix = np.vstack([self.A, np.eye(n)])[active]
-        conditions = np.block([[self.H, matrix.T], [matrix, np.zeros((len(active), len(active)))]])
-        wanted = np.concatenate([-self.g, bound])
-        before = self._solution.copy(), multipliers.copy()
-        for eliminate in (True, False) if self.eliminate else (False,):
+        answer = np.asarray(np.linalg.lstsq(*self._conditions(active, bound), rcond=None)[0], dtype=np.float64)
+        return self._kept_if_better(missed, answer, active)
+
+    def _eliminated(self, missed: float) -> float:
+        """As `_polish`, by elimination; constraints that are broken then join those that hold, those that pull go."""
+        lower, upper = self._lower, self._upper
+        equal, side = lower == upper, np.sign(self._multipliers)
+        n = len(self.g)
+        for _ in range(REFINEMENTS):
+            active = np.flatnonzero((side != 0) | equal)
+            bound = np.where(side[active] < 0, lower[active], upper[active])
             try:
-                answer = np.linalg.solve(conditions, wanted) if eliminate else _least_squares(conditions, wanted)
+                answer = np.asarray(np.linalg.solve(*self._conditions(active, bound)), dtype=np.float64)
             except np.linalg.LinAlgError:
-                continue
-            self._solution[:], multipliers[active] = answer[:n], answer[n:]
-            after = self.optimality()
-            if after < missed and (after <= POLISH or not eliminate):
-                return after
-            self._solution[:], multipliers[:] = before
+                return missed
+            values = np.concatenate([self.A @ answer[:n], answer[:n]])
+            pulls = np.zeros(len(side), dtype=bool)
+            pulls[active] = ~equal[active] & (answer[n:] * side[active] < 0)
+            broken = np.where(values < lower - BROKEN, -1.0, np.where(values > upper + BROKEN, 1.0, 0.0))
+            broken[active] = 0
+            if not pulls.any() and not broken.any():
+                return self._kept_if_better(missed, answer, active)
+            side = np.where(pulls, 0.0, side) + broken
+        return missed
+
+    def _conditions(self, active: Indices, bound: Vector) -> tuple[Matrix, Vector]:
+        """The linear optimality conditions with these constraints, rows and variables, at these values."""
+        matrix = np.vstack([self.A, np.eye(len(self.g))])[active]
+        none = np.zeros((len(active), len(active)))
+        return np.block([[self.H, matrix.T], [matrix, none]]), np.concatenate([-self.g, bound])
+
+    def _kept_if_better(self, missed: float, answer: Vector, active: Indices) -> float:
+        """Take an answer (variables, multipliers of the active constraints) if it misses less; what is missed then."""
+        multipliers, n = self._multipliers, len(self.g)
+        before = self._solution.copy(), multipliers.copy()
+        multipliers[:] = 0
+        self._solution[:], multipliers[active] = answer[:n], answer[n:]
+        after = self.optimality()
+        if after < missed:
+            return after
+        self._solution[:], multipliers[:] = before
         return missed
 
     def _quiet(self) -> AbstractContextManager[object]:
@@ -133,10 +163,6 @@ class QuadraticProgram:
         """Take over the data of another program of the same size."""
         for name, values in other._arrays.items():
             self._arrays[name][:] = values
-
-
-def _least_squares(matrix: Matrix, wanted: Vector) -> Vector:
-    return np.asarray(np.linalg.lstsq(matrix, wanted, rcond=None)[0])
 
 
 @compiled

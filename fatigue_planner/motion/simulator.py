@@ -4,11 +4,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.failure import failure
 from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.physiology.hand_turn import effort, ways_round
 from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of
+from fatigue_planner.motion.settings import Side
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -17,19 +20,19 @@ Matrix = NDArray[np.float64]
 class Simulator:
     """The digital human at a tick of a cycle: `prepare` evaluates it, `advance` moves it to the next."""
 
-    def __init__(self, request: MotionRequest) -> None:
-        self.request = request
+    def __init__(self, request: MotionRequest, other_way: frozenset[Side] = frozenset()) -> None:
+        self.request, self.other_way = request, other_way
         self.time_step_s = dt = request.controller.time_step_s
         self.phases = phases_of(request.cycle, dt)
         self.ticks = self.phases[-1].stop
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
-        self.body = Body(request, self.runs[0])
+        self.body = Body(request, self.runs[0], other_way)
         self.configuration, self.velocity = self.body.human.stance.copy(), np.zeros(self.body.human.model.nv)
 
     def take_up(self, run: Run) -> None:
         """Change the masses in the hands."""
-        self.body = Body(self.request, run)
+        self.body = Body(self.request, run, self.other_way)
 
     def prepare(self, tick: int) -> Vector:
         """Evaluate the body, its references and the forces at a tick; returns the forces on the hands (6,)."""
@@ -66,9 +69,26 @@ def simulate(request: MotionRequest) -> Motion:
     """Simulate one cycle from the natural stance.
 
     Raises FailedMotionError, naming time, phase, tick, the limit in the way and advice, if the program
-    has no solution at some tick, even with the bounds of the joint accelerations eased.
+    has no solution at some tick, even with the bounds of the joint accelerations eased; where hands may turn either
+    way round, that of the shorter way, if no way has one.
     """
     simulator = Simulator(request)
+    body, work = simulator.body, simulator.phases[1].start
+    if not body.physiology.turns_either_way:
+        return _simulated(simulator)
+    motions, failures = [], []
+    for other_way in ways_round({side: task.reference for side, task in body.hands.items()}, work):
+        try:
+            motions.append(_simulated(Simulator(request, other_way) if other_way else simulator))
+        except FailedMotionError as error:
+            failures.append(error)
+    if not motions:
+        raise failures[0]
+    strength = request.maximum_torque.vectors()
+    return min(motions, key=lambda motion: effort(motion.torque_nm, *strength))
+
+
+def _simulated(simulator: Simulator) -> Motion:
     nv = simulator.velocity.size
     widths = {
         "configuration": nv + 1, "velocity": nv, "acceleration": nv, "torque_nm": nv - 6, "wrench": 12,

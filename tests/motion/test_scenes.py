@@ -270,8 +270,8 @@ def test_the_squat_bends_the_knees_and_keeps_the_back_upright() -> None:
             knee[request.name.preference] = np.degrees(
                 motion.configuration[tick, 7 + joint_index("right_knee_flexion")]
             )
-    assert tilt["squat"] < 30 and tilt["arm"] > 50 and tilt["back"] > 50
-    assert knee["squat"] > 80 and knee["arm"] < 60
+    assert tilt["squat"] < 30 < tilt["arm"] < 45 and tilt["back"] > 80
+    assert knee["squat"] > knee["arm"] + 20 and knee["back"] < 30
 
 
 def test_pose_grid_is_what_its_file_says() -> None:
@@ -327,7 +327,7 @@ def test_workers_differ_by_body_and_strength() -> None:
         step = simulator.body.controller.step()
         assert step is not None
         simulator.advance(step.acceleration)
-    assert step.torque_nm[joint_index("right_shoulder_flexion")] == pytest.approx(limit, rel=1e-6)
+    assert step.torque_nm[joint_index("right_shoulder_flexion")] == pytest.approx(limit, rel=2e-3)
 
 
 def fault(tmp_path: Path, source: str, old: str, new: str) -> str:

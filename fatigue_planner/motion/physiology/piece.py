@@ -62,6 +62,8 @@ class Piece:
 
     # By how much the weight of the hands' tasks is multiplied.
     hand_weight_factor = 1.0
+    # Whether hands that are turned far try both ways round.
+    turns_either_way = False
     # How many limits of accelerations it has (see `limit`).
     limits = 0
 

@@ -12,6 +12,7 @@ from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
 from fatigue_planner.motion.physiology.clearance import Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
 from fatigue_planner.motion.physiology.gaze import Gaze
+from fatigue_planner.motion.physiology.hand_turn import HandTurn
 from fatigue_planner.motion.physiology.hanging_arm import HangingArm
 from fatigue_planner.motion.physiology.passive_tissue import PassiveTissue
 from fatigue_planner.motion.physiology.piece import Bearer, Matrix, Piece, Scene, TimedTask, Vector
@@ -29,6 +30,7 @@ PIECES: dict[HumanKind, tuple[type[Piece] | type[Bearer], ...]] = {
         Stops,
         Gaze,
         HangingArm,
+        HandTurn,
         Clearance,
     ),
 }
@@ -44,6 +46,7 @@ class Physiology:
         self.pieces = [piece(scene) for piece in PIECES[kind] if issubclass(piece, Piece)]
         self.tissue = tissue_of(kind, scene.human.anthropometry)
         self.hand_weight_factor = math.prod(piece.hand_weight_factor for piece in self.pieces)
+        self.turns_either_way = any(piece.turns_either_way for piece in self.pieces)
         self.limits = sum(piece.limits for piece in self.pieces)
         self._prepare = self._defined("prepare")
         self._draw = self._defined("draw")

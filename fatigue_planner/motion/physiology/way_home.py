@@ -11,7 +11,8 @@ from fatigue_planner.motion.physiology.piece import Piece, Scene, Vector
 LET_GO_S, LET_GO_SHARE = 1.0, 1 / 3
 # So long before the end of the cycle the stance is reached.
 EARLY_S, EARLY_SHARE = 0.2, 0.1
-STIFFNESS_PER_S2 = 16.0
+# Gain of following it; on a short way home more, so that what is left of the work has gone when it ends.
+STIFFNESS_PER_S2, TIME_CONSTANTS = 16.0, 15.0
 
 
 class WayHome(Piece):
@@ -30,6 +31,7 @@ class WayHome(Piece):
         way_s = duration_s - min(EARLY_S, EARLY_SHARE * duration_s)
         share, rate, curvature = minimum_jerk(times_s / way_s)
         self.way = np.column_stack([share, rate / way_s, curvature / way_s**2])
+        self.stiffness_per_s2 = max(STIFFNESS_PER_S2, (TIME_CONSTANTS / duration_s) ** 2)
         self.begin_rad, self.tick = scene.stance_rad, 0
 
     def aim(self) -> Vector:
@@ -48,18 +50,19 @@ class WayHome(Piece):
             state = self.scene.state
             _follow(
                 state.configuration[7:], state.velocity[BASE_DOF:], self.begin_rad, self.scene.stance_rad,
-                self.way[self.tick], self.given_up[self.tick], target,
+                self.way[self.tick], self.given_up[self.tick], self.stiffness_per_s2, target,
             )  # fmt: skip
 
 
 @compiled
 def _follow(
-    angles: Vector, speeds: Vector, begin: Vector, end: Vector, way: Vector, given_up: float, target: Vector
-) -> None:
+    angles: Vector, speeds: Vector, begin: Vector, end: Vector, way: Vector, given_up: float, stiffness: float,
+    target: Vector,
+) -> None:  # fmt: skip
     """Blend the accelerations wanted with those that follow the way (share, rate, curvature)."""
-    damping = 2 * np.sqrt(STIFFNESS_PER_S2)
+    damping = 2 * np.sqrt(stiffness)
     for i in range(len(angles)):
         path = end[i] - begin[i]
         wanted = way[2] * path + damping * (way[1] * path - speeds[i])
-        wanted += STIFFNESS_PER_S2 * (begin[i] + way[0] * path - angles[i])
+        wanted += stiffness * (begin[i] + way[0] * path - angles[i])
         target[i] = (1 - given_up) * target[i] + given_up * wanted
