@@ -59,6 +59,7 @@ bench: $(VENV)/.development
 	$(BIN)/python perf/placo/compare.py
 	$(BIN)/python perf/convergence.py
 	$(BIN)/python perf/gains.py
+	$(BIN)/python perf/natural.py
 	$(BIN)/python perf/search_convergence.py
 	$(BIN)/python perf/search/decisions.py
 	$(BIN)/python perf/search/compare.py --figure docs/images/search_cost.png

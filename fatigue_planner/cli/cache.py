@@ -103,9 +103,9 @@ def verify(
         for reaction in reactions
     ]
     lines.append(
-        f"{cache}: {counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
-        f"{counts['failed']} failed, {counts['damaged']} damaged, {counts['other version']} of other versions, not "
-        "checked."
+        f"{cache}: {counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['implausible']} implausible, "
+        f"{counts['degraded']} degraded, {counts['failed']} failed, {counts['damaged']} damaged, "
+        f"{counts['other version']} of other versions, not checked."
     )
     if counts["damaged"] or counts["failed"]:
         lines.append("`fatplan simulate` sets damaged files aside and simulates again what its experiment needs.")

@@ -16,6 +16,7 @@ EXPERIMENT = """\
 #   fatplan benchmark {file}    which policy keeps fatigue low?
 # All keys are explained in the documentation, on the page "Keys of an experiment file".
 name: {name}
+human: natural                     # with the physiology that the paper's human leaves out
 
 workers:
   anna: {{height_m: 1.68, mass_kg: 65, sex: female}}     # m, kg

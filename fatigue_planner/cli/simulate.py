@@ -26,7 +26,8 @@ def simulate(
     The joint torques, motions and contact forces of every reaction go to a file (HDF5) in the cache folder.
     Reactions that are already in the cache are not simulated again. A reaction that cannot be performed, or not
     with the experiment's accuracy, is a result, too: it is kept, listed with the reason, and left out of what
-    follows. A motion that slightly exceeds a limit is marked as degraded.
+    follows. A motion that slightly exceeds a limit is marked as degraded, one that a person would not make as
+    implausible, with what is wrong; both are used.
     """
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.experiment.loader import load_experiment
@@ -34,6 +35,8 @@ def simulate(
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
+    if "human" not in settings.model_fields_set:
+        warn([f"{experiment}: names no human; the natural one moves (human: natural; the paper's is human: paper)."])
     requests, executor = reaction_requests(settings), options.executor_of(jobs, dask)
     store = ReactionCache(cache)
     with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:
@@ -73,7 +76,8 @@ def _reaction(outcome: "Outcome") -> dict[str, Any]:
         "verdict": outcome.verdict,
         "found": outcome.found,
         "failure": outcome.failure,
-        "degradation": quality.degradation() if quality and outcome.verdict == "degraded" else "",
+        "degradation": quality.degradation() if quality and outcome.verdict != "failed" else "",
+        "findings": [found._asdict() for found in quality.plausibility.findings()] if quality else [],
         "hand_error_m": quality and quality.work_hand_error_m,
         "largest_load_share": quality and quality.largest_load_share,
         "largest_load_joint": quality and quality.largest_load_joint,
@@ -88,5 +92,5 @@ def _outcome_text(outcome: "Outcome") -> str:
         f"{'found' if outcome.found else 'simulated'}, {outcome.verdict}; hand within "
         f"{quality.work_hand_error_m * 1000:.1f} mm of its target; heaviest load "
         f"{quality.largest_load_share:.0%} of the strength ({quality.largest_load_joint})"
-        + (f"; {quality.degradation()}" if outcome.verdict == "degraded" else "")
+        + "".join(f"\n      {remark}" for remark in quality.remarks())
     )

@@ -16,9 +16,10 @@ from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
 UPPER_ARMS: dict[Side, Segment] = {"right": "right_upper_arm", "left": "left_upper_arm"}
 
 
-def usual_workers() -> dict[str, Worker]:
+def usual_workers(experiment: Mapping[str, Any]) -> dict[str, Worker]:
     """The average man; stature and mass are open in the paper (docs/deviations.md)."""
-    return {"average_man": Worker(height_m=1.75, mass_kg=75.0, sex="male")}
+    human = experiment.get("human", "natural")
+    return {"average_man": Worker(human=human, height_m=1.75, mass_kg=75.0, sex="male")}
 
 
 def usual_beliefs() -> dict[str, tuple[InitialState, ...]]:

@@ -69,7 +69,11 @@ def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
 
 def complete_content(experiment: Experiment) -> dict[str, Any]:
     """What a file says that leaves nothing to defaults."""
-    return experiment.model_dump(by_alias=True, exclude_none=True)
+    content = experiment.model_dump(by_alias=True, exclude_none=True)
+    for worker in content["workers"].values():
+        if worker["human"] == content["human"]:
+            del worker["human"]
+    return content
 
 
 def defaults_in(content: Mapping[str, Any], complete: Mapping[str, Any], above: str = "") -> Iterator[str]:

@@ -21,6 +21,7 @@ from fatigue_planner.experiment.benchmark_settings import (
 from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
+from fatigue_planner.human.anthropometry import HumanKind
 from fatigue_planner.human.model import Tool, Worker
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cycle
@@ -50,6 +51,11 @@ class Experiment(Settings):
     """
 
     name: Name = Field(description="Name of the experiment; results go to a folder of this name.")
+    human: HumanKind = Field(
+        default="natural",
+        description="The digital human of all workers that name none: the paper's, to the letter of its text (paper), "
+        "or one with passive joint moments, gaze and what else the paper leaves out (natural).",
+    )
     workers: dict[Name, Worker] = Field(
         default_factory=usual_workers,
         min_length=1,
@@ -117,6 +123,18 @@ class Experiment(Settings):
         max_length=1000,
         description="Figures of the returns: name and conditions, one row of panels each. Default: all in one.",
     )
+
+    @field_validator("workers", mode="before")
+    @classmethod
+    def _name_humans(cls, workers: Any, info: ValidationInfo) -> Any:
+        """The human of the workers that name none."""
+        if not isinstance(workers, dict) or "human" not in info.data:
+            return workers
+        human = info.data["human"]
+        return {
+            name: {**worker, "human": worker.get("human", human)} if isinstance(worker, dict) else worker
+            for name, worker in workers.items()
+        }
 
     @field_validator("benchmark", mode="before")
     @classmethod

@@ -8,39 +8,40 @@ import numpy as np
 
 from fatigue_planner.core.errors import DataFileError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.experiment.target_checks import target_faults
 from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
-from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import Human, Worker, build_human
+from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.payload import HandForce
 
 # Every point of a grid may be out of every worker's reach.
-MAX_REACH_FAULTS = 1000
+MAX_TARGET_FAULTS = 1000
 # What a number of time steps may be off a whole one by rounding.
 WHOLE_STEPS = 1e-6
 
 
 def semantic_errors(experiment: Experiment) -> list[str]:
     """Everything that is impossible, each with its key."""
+    humans: dict[str, Human] = {}
     return list(
         itertools.chain(
-            _worker_faults(experiment),
+            _worker_faults(experiment, humans),
             _belief_faults(experiment),
             _phase_faults(experiment),
             _tool_faults(experiment),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
-            itertools.islice(_reach_faults(experiment), MAX_REACH_FAULTS),
+            itertools.islice(target_faults(experiment, humans), MAX_TARGET_FAULTS),
         )
     )
 
 
-def _worker_faults(experiment: Experiment) -> Iterator[str]:
-    humans: list[Human] = []
+def _worker_faults(experiment: Experiment, humans: dict[str, Human]) -> Iterator[str]:
+    """Bodies, strengths, preferences; the humans that can be built are added to `humans`."""
     for name, worker in experiment.workers.items():
         try:
-            humans.append(build_human(worker))
+            humans[name] = build_human(worker)
             strength = maximum_torque(worker.strength)
         except DataFileError as error:
             yield f"workers.{name}: {error}"
@@ -50,7 +51,7 @@ def _worker_faults(experiment: Experiment) -> Iterator[str]:
         except DataFileError as error:
             yield str(error)
     if humans:
-        yield from _preference_faults(experiment, humans[0])
+        yield from _preference_faults(experiment, next(iter(humans.values())))
 
 
 def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
@@ -59,7 +60,7 @@ def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
     for name, preference in experiment.preferences.items():
         for index, task in enumerate(preference.tasks):
             try:
-                task.build(human, state, experiment.controller.stiffness_per_s2)
+                task.build_stiffened(human, state, experiment.controller.stiffness_per_s2)
             except DataFileError as error:
                 yield f"preferences.{name}.tasks.{index}.{error}"
 
@@ -115,29 +116,3 @@ def _time_faults(experiment: Experiment, name: str, action: Action) -> Iterator[
             yield (
                 f"actions.{name}.loads.{index}.force_n: cycle_time_s = {latest} is after the end of the cycle ({end} s)"
             )
-
-
-def _reach_faults(experiment: Experiment) -> Iterator[str]:
-    longest_m = {name: _longest_reach_m(worker) for name, worker in experiment.workers.items()}
-    for name, action in experiment.actions.items():
-        for side, goal in action.goals().items():
-            distance = max(float(np.linalg.norm(waypoint.position_m.vector())) for waypoint in goal.path())
-            for worker_name, longest in longest_m.items():
-                if distance > longest:
-                    away, reach = told_apart(distance, longest, ".2f")
-                    yield (
-                        f"actions.{name}.{side}_hand.position_m: {away} m from the feet; ankle, leg, trunk and arm of "
-                        f"worker {worker_name} together measure {reach} m."
-                    )
-
-
-def _longest_reach_m(worker: Worker) -> float:
-    """The length of the stretched chain from sole to fist: no posture reaches farther from the centre of the feet."""
-    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
-    arm = ["right_shoulder", "right_elbow", "right_wrist"]
-    links = [
-        body.joint_centre(joint) for joint in ["right_knee", "right_ankle", "right_hip", "lumbar", "thoracic", *arm]
-    ]
-    heel, toe, _, height = body.sole_rectangle()
-    feet = np.array([(heel + toe) / 2, body.length("hip_half_width"), height])
-    return float(sum(np.linalg.norm(link) for link in [feet, *links, body.grip_m()]))

@@ -12,6 +12,8 @@ from fatigue_planner.core.settings import Settings, load_data
 from fatigue_planner.human.skeleton import DATA, without_side
 
 Sex = Literal["female", "male"]
+# The two digital humans: the paper's, to the letter of its text, and one with the physiology that it leaves out.
+HumanKind = Literal["natural", "paper"]
 Vector = NDArray[np.float64]
 
 
@@ -48,10 +50,18 @@ def segment_table() -> SegmentTable:
     return load_data(DATA / "segments.yaml", SegmentTable)
 
 
+class SourcedShare(Settings):
+    """A length as a fraction of stature, of both sexes or of each, and where it comes from."""
+
+    value: float | dict[Sex, float]
+    source: str
+
+
 @cache
-def geometry() -> dict[str, SourcedValue]:
-    """Joint centres and landmarks as fractions of stature."""
-    return load_data(DATA / "geometry.yaml", dict[str, SourcedValue])
+def geometry(kind: HumanKind) -> dict[str, SourcedShare]:
+    """Joint centres and landmarks of a human as fractions of stature, from data/geometry."""
+    own = load_data(DATA / "geometry" / f"{kind}.yaml", dict[str, SourcedShare])
+    return own if kind == "paper" else geometry("paper") | own
 
 
 @dataclass(frozen=True)
@@ -84,15 +94,17 @@ _ROW = {
 
 @dataclass(frozen=True)
 class Anthropometry:
-    """A body of a given stature, mass and sex."""
+    """A body of a given stature, mass and sex, with the geometry of the paper's human or of the natural one."""
 
     stature_m: float
     mass_kg: float
     sex: Sex
+    human: HumanKind = "natural"
 
     def length(self, name: str) -> float:
-        """A length of data/geometry.yaml in metres."""
-        return geometry()[name].value * self.stature_m
+        """A length of data/geometry in metres."""
+        value = geometry(self.human)[name].value
+        return (value[self.sex] if isinstance(value, dict) else value) * self.stature_m
 
     def joint_centre(self, joint: str) -> Vector:
         """Centre of a compound joint in its parent body's frame at the anatomical zero, (3,) m."""
@@ -152,7 +164,7 @@ class Anthropometry:
                 com = np.array([heel + along * length, 0.0, sole / 2])
                 radii = np.array([longitudinal, transverse, sagittal])
             case "pelvis" | "abdomen" | "thorax" | "head":
-                com = np.array([0.0, 0.0, self._trunk_com_height(kind, along) - self._origin_height(kind)])
+                com = np.array([0.0, 0.0, self._trunk_com_height(kind, along) - self.origin_height(kind)])
             case _:  # limbs hang from their proximal joint along -z
                 length = self.length(f"{kind}_length")
                 com = np.array([0.0, 0.0, -along * length])
@@ -169,7 +181,7 @@ class Anthropometry:
     def _hip_height(self) -> float:
         return self.length("ankle_height") + self.length("shank_length") + self.length("thigh_length")
 
-    def _origin_height(self, body: str) -> float:
+    def origin_height(self, body: str) -> float:
         """Height of a trunk body's frame above the ground when standing straight."""
         steps = ["lumbar_above_hip", "thoracic_above_lumbar", "neck_above_thoracic", "head_above_neck"]
         count = ["pelvis", "abdomen", "thorax", "neck", "head"].index(body)

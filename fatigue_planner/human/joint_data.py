@@ -81,7 +81,7 @@ def posture(angles_deg: dict[str, float], key: str) -> Vector:
         indices = degrees_of_freedom(name)
         if not indices:
             raise DataFileError(f"{key}: unknown degree of freedom {name!r}{known_names(name)}")
-        if not np.degrees(lower[indices[0]]) <= degrees <= np.degrees(upper[indices[0]]):
+        if not lower[indices[0]] <= np.radians(degrees) <= upper[indices[0]]:
             raise DataFileError(
                 f"{key}: {name} = {degrees} deg is outside its range of motion "
                 f"[{np.degrees(lower[indices[0]]):.6g}, {np.degrees(upper[indices[0]]):.6g}] deg"

@@ -1,7 +1,8 @@
 """The digital human as a Pinocchio model, standing on the ground."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pinocchio as pin
@@ -10,25 +11,25 @@ from pydantic import Field
 
 from fatigue_planner.core.errors import DataFileError, told_apart
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.human.anthropometry import Anthropometry, Sex
-from fatigue_planner.human.joint_data import position_limits, posture
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY, Axis
+from fatigue_planner.human.anthropometry import Anthropometry, HumanKind, Sex
+from fatigue_planner.human.joint_data import posture
+from fatigue_planner.human.multibody import multibody, stand
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.human.stance import stance_deg
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 
 Vector = NDArray[np.float64]
 
-GRAVITY_MPS2 = 9.81  # standard acceleration of free fall, rounded
-BASE_DOF = 6
 # A natural stance: soles flat to a hundredth of a millimetre, centre of mass 2 cm inside heel and toe.
 STANCE_TOLERANCE = 1e-5
 STANCE_MARGIN_M = 0.02
 
-_JOINT_MODELS = {"+x": pin.JointModelRX, "+y": pin.JointModelRY, "+z": pin.JointModelRZ}
-_UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
 
-
-# The paper's: standing, arms along the body (section III-C). The angles are open; no joint rests on a limit.
-NATURAL_POSTURE_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+def _usual_stance(worker: Mapping[str, Any]) -> dict[str, float]:
+    """The stance of a worker whose other settings are these; empty if they are not complete."""
+    if {"human", "height_m", "mass_kg", "sex"} - worker.keys():
+        return {}
+    return dict(stance_deg(Anthropometry(worker["height_m"], worker["mass_kg"], worker["sex"], worker["human"])))
 
 
 class Worker(Settings):
@@ -37,6 +38,11 @@ class Worker(Settings):
     height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
     mass_kg: float = Field(ge=40, le=150, description="Body mass in kg.")
     sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
+    human: HumanKind = Field(
+        default="natural",
+        description="The digital human: with the physiology that the paper leaves out (natural), or without it "
+        "(paper). Default in an experiment: its `human`.",
+    )
     strength: str = Field(
         default_factory=lambda worker: "average_woman" if worker.get("sex") == "female" else "average_man",
         min_length=1,
@@ -45,10 +51,14 @@ class Worker(Settings):
         "Default: the average man's or woman's, by sex.",
     )
     natural_posture_deg: dict[str, float] = Field(
-        default=NATURAL_POSTURE_DEG,
+        default_factory=_usual_stance,
         description="Stance in which every cycle begins and to which all joints are drawn: angles in degrees by degree "
-        "of freedom, the rest 0; a name without right_ or left_ means both sides.",
+        "of freedom, the rest 0; a name without right_ or left_ means both sides. Default: the stance of the human.",
     )
+
+    def anthropometry(self) -> Anthropometry:
+        """The lengths and masses of the worker's body."""
+        return Anthropometry(self.height_m, self.mass_kg, self.sex, self.human)
 
 
 class Tool(Settings):
@@ -91,66 +101,14 @@ class Human:
         return float(pin.computeTotalMass(self.model))
 
 
-def _joint_model(axis: Axis) -> pin.JointModel:
-    if axis in _JOINT_MODELS:
-        return _JOINT_MODELS[axis]()
-    return pin.JointModelRevoluteUnaligned(-_UNIT[axis[1]])
-
-
-def _tree(body: Anthropometry) -> pin.Model:
-    model = pin.Model()
-    model.name = "human"
-    model.gravity.linear = np.array([0.0, 0.0, -GRAVITY_MPS2])
-    joint_of = {ROOT_BODY: model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")}
-    for joint in JOINTS:
-        placement = pin.SE3(np.eye(3), body.joint_centre(joint.name))
-        parent = joint_of[joint.parent]
-        for dof in joint.degrees_of_freedom:
-            parent = model.addJoint(parent, _joint_model(dof.axis), placement, dof.name)
-            placement = pin.SE3.Identity()
-        joint_of[joint.child] = parent
-    for name in BODIES:
-        segment = body.segment(name)
-        inertia = pin.Inertia(segment.mass_kg, segment.com_m, np.diag(segment.inertia_kgm2))
-        model.appendBodyToJoint(joint_of[name], inertia, pin.SE3.Identity())
-        _add_frame(model, name, joint_of[name], np.zeros(3))
-    heel, toe, _, height = body.sole_rectangle()
-    for side in ("right", "left"):
-        _add_frame(model, f"{side}_grip", joint_of[f"{side}_hand"], body.grip_m())
-        _add_frame(model, f"{side}_sole", joint_of[f"{side}_foot"], np.array([(heel + toe) / 2, 0.0, height]))
-    lower, upper = position_limits()
-    model.lowerPositionLimit[7:] = lower
-    model.upperPositionLimit[7:] = upper
-    return model
-
-
-def _add_frame(model: pin.Model, name: str, joint: int, offset_m: Vector) -> None:
-    model.addFrame(pin.Frame(name, joint, pin.SE3(np.eye(3), offset_m), pin.FrameType.OP_FRAME))
-
-
-def stand(model: pin.Model, joint_angles: Vector) -> Vector:
-    """The configuration (46,) with these joint angles whose soles rest on the ground about the origin.
-
-    The right sole lies flat; the midpoint of both soles is the world's origin, x forward.
-    """
-    data = model.createData()
-    configuration = np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], joint_angles])
-    pin.framesForwardKinematics(model, data, configuration)
-    right = data.oMf[model.getFrameId("right_sole")]
-    left = data.oMf[model.getFrameId("left_sole")]
-    middle = pin.SE3(right.rotation, (right.translation + left.translation) / 2)
-    configuration[:7] = pin.SE3ToXYZQUAT(middle.inverse())
-    return configuration
-
-
 def build_human(worker: Worker, right_hand_kg: float = 0.0, left_hand_kg: float = 0.0) -> Human:
     """The digital human of a worker, with point masses in the fists.
 
     Raises DataFileError if the natural posture names an unknown degree of freedom, leaves a range of
     motion or does not stand on flat soles.
     """
-    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
-    model = _tree(body)
+    body = worker.anthropometry()
+    model = multibody(body)
     for side, mass in (("right", right_hand_kg), ("left", left_hand_kg)):
         if mass > 0:
             grip = model.frames[model.getFrameId(f"{side}_grip")]

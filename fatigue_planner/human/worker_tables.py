@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 
-from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torque, position_limits
 from fatigue_planner.human.model import Worker
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
@@ -11,7 +10,7 @@ from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 
 def segment_frame(worker: Worker) -> pd.DataFrame:
     """One row per body: mass, centre of mass in the body's frame, moments of inertia about it."""
-    body = Anthropometry(worker.height_m, worker.mass_kg, worker.sex)
+    body = worker.anthropometry()
     rows = []
     for name in BODIES:
         segment = body.segment(name)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import compiled
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -25,7 +25,7 @@ def assemble(
     task_jacobian: Matrix,
     task_target: Vector,
     task_weight: Vector,
-    posture_weight: float,
+    posture_weight: Vector,
     posture_target: Vector,
     torque_scale: Vector,
     wrench_scale: Vector,
@@ -62,8 +62,8 @@ def assemble(
     H[:nv, :nv] += task_jacobian.T @ weighted
     g[:nv] -= task_target @ weighted
     for j in range(joints):
-        H[BASE_DOF + j, BASE_DOF + j] += posture_weight
-        g[BASE_DOF + j] -= posture_weight * posture_target[j]
+        H[BASE_DOF + j, BASE_DOF + j] += posture_weight[j]
+        g[BASE_DOF + j] -= posture_weight[j] * posture_target[j]
     for i in range(wrenches):
         H[nv + i, nv + i] += wrench_scale[i]
 
@@ -82,4 +82,28 @@ def within_limits(torque: Vector, lowest: Vector, highest: Vector, cone: Matrix,
                 total += cone[row, part] * wrenches[sole * size + part]
             if not total <= 0:
                 return False
+    return True
+
+
+@compiled
+def without_tissue(mass: Matrix, bias: Vector, moments: Vector, slopes: Matrix) -> tuple[Matrix, Vector]:
+    """Mass matrix (45, 45) and bias (45,) for what muscles exert beside tissue that exerts moments + slopes a.
+
+    moments (39,) N.m and slopes (39, 39) N.m s^2/rad.
+    """
+    own_mass, own_bias = mass.copy(), bias.copy()
+    own_mass[BASE_DOF:, BASE_DOF:] -= slopes
+    own_bias[BASE_DOF:] -= moments
+    return own_mass, own_bias
+
+
+@compiled
+def keeps(rows: Matrix, least: Vector, solution: Vector) -> bool:
+    """Whether accelerations, the first of a solution (n,), keep limits rows (k, 45) a >= least (k,)."""
+    for row in range(len(rows)):
+        total = 0.0
+        for k in range(rows.shape[1]):
+            total += rows[row, k] * solution[k]
+        if not total >= least[row]:
+            return False
     return True

@@ -57,11 +57,15 @@ def minimum_jerk(fraction: Vector) -> tuple[Vector, Vector, Vector]:
 
 @dataclass(frozen=True)
 class Reach:
-    """A minimum-jerk motion between two poses along a straight line and the shortest rotation."""
+    """A minimum-jerk motion between two poses along a straight line and the shortest rotation.
+
+    other_way: the rotation about the same axis the other way round.
+    """
 
     start: Pose
     end: Pose
     duration_s: float
+    other_way: bool = False
 
     def at(self, times_s: Vector) -> Trajectory:
         """The reference at times (T,) since the start of the motion; held at its end after it.
@@ -73,6 +77,9 @@ class Reach:
         path = self.end.position_m - self.start.position_m
         turn = pin.log3(self.end.rotation @ self.start.rotation.T)
         angle = float(np.linalg.norm(turn))
+        if self.other_way and angle > 0:
+            turn = turn * (angle - 2 * np.pi) / angle
+            angle = 2 * np.pi - angle
         cross = pin.skew(turn / angle) if angle > 0 else np.zeros((3, 3))
         turned = (
             np.eye(3)

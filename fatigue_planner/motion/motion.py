@@ -26,7 +26,8 @@ class Motion:
     as in `Human` and `WholeBodyController`; hand_force_n (T, 6) the forces on the right and left hand
     in world axes (masses held are not among them, they are part of the body); hand_error_m (T,) how far
     a hand is from its reference, the larger of both; eased_radps2 (T, 39) how far joint accelerations
-    left their bounds because there was no solution within them.
+    left their bounds because there was no solution within them; tissue_nm (T, 39) what passive tissue and
+    stops exert on the joints: with torque_nm, which the muscles exert, it is the whole joint torque.
     """
 
     time_step_s: float
@@ -39,6 +40,7 @@ class Motion:
     hand_force_n: Matrix
     hand_error_m: Vector
     eased_radps2: Matrix
+    tissue_nm: Matrix
 
     def phase(self, name: str) -> slice:
         """The ticks of a phase."""

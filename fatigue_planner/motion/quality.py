@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import told_apart
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.motion.plausibility import Plausibility
 from fatigue_planner.motion.settings import Accuracy
 
 Vector = NDArray[np.float64]
@@ -15,17 +16,16 @@ Matrix = NDArray[np.float64]
 
 AT_LIMIT = 0.999  # of the maximum torque
 
-Verdict = Literal["ok", "degraded", "failed"]
+Verdict = Literal["ok", "degraded", "implausible", "failed"]
 
 # Values that inform, or have a message of their own.
 NOT_BARS = (
     "work_hand_error_m", "work_hand_turn_rad", "largest_load_share", "largest_load_joint", "saturated_share",
-    "saturated_joint", "eased_ticks", "eased_radps2",
+    "saturated_joint", "eased_ticks", "eased_radps2", "plausibility", "tested_causes",
 )  # fmt: skip
 REMEDIES = {
     "foot_displacement_m": "a smaller controller.time_step_s helps",
     "energy_error_share": "a smaller controller.time_step_s helps",
-    "centre_of_mass_violation_m": "the body leans beyond its feet: bring the object closer or make the forces smaller",
 }
 
 
@@ -56,9 +56,12 @@ class Quality:
     from itself and from what was asked for: that it starts at rest in the stance, follows its own
     accelerations, has the prescribed forces on the hands and notes the hands' true errors (SI).
     largest_load_share is the largest mean load of a joint during work, as a share of its strength.
+    torque_violation_nm is of the muscles' torques; tissue_violation_nm is how far the torques that are billed to
+    tissue are from its published moments at the end of each tick and what stops may bear.
     saturated_share is the share of the work during which a joint's torque is at its limit, for the joint
     where it is largest. eased_ticks counts the ticks at which joint accelerations had to leave their
-    bounds, by up to eased_radps2.
+    bounds, by up to eased_radps2. plausibility: what an observer sees of the motion. tested_causes: why the hands miss
+    their targets, where they miss them by the usual accuracy, as found by trying (see `causes`); else empty.
     """
 
     not_finite: int
@@ -69,6 +72,7 @@ class Quality:
     centre_of_pressure_violation_m: float
     wrench_cone_violation: float
     torque_violation_nm: float
+    tissue_violation_nm: float
     position_violation_rad: float
     velocity_violation_radps: float
     centre_of_mass_violation_m: float
@@ -82,15 +86,18 @@ class Quality:
     saturated_joint: str
     eased_ticks: int
     eased_radps2: float
+    plausibility: Plausibility
+    tested_causes: str = ""
 
     def faults(self, required: Accuracy) -> list[str]:
         """What is not fulfilled, in words; empty for a motion that can be used."""
         faults = []
         if not self.work_hand_error_m <= required.hand_error_m:
             error, allowed = told_apart(self.work_hand_error_m * 100, required.hand_error_m * 100, ".1f")
+            weak = f"; {self.saturated_joint} is at its maximum torque {self.saturated_share:.0%} of the time"
             faults.append(
-                f"{self._why_off()}: the hand stays {error} cm from its target during work (allowed: {allowed} cm); "
-                "bring the object closer for this worker and preference"
+                f"the hand stays {error} cm from its target during work (allowed: {allowed} cm)"
+                f"{weak if self.saturated_share > 0 else ''}{f'. {self.tested_causes}' if self.tested_causes else ''}"
             )
         if not self.work_hand_turn_rad <= required.hand_turn_rad:
             error, allowed = told_apart(self.work_hand_turn_rad, required.hand_turn_rad, ".3f")
@@ -107,28 +114,32 @@ class Quality:
         for name, value in asdict(self).items():
             bound = bounds.get(name, required.limit_violation)
             if name not in NOT_BARS and not value <= bound:
-                remedy = f"; {REMEDIES[name]}" if name in REMEDIES else ""
+                remedy = f"; {REMEDIES[name]}" if name in REMEDIES and not self.plausibility.findings() else ""
                 found, allowed = told_apart(value, bound, ".2e")
                 faults.append(f"{name} = {found} (allowed: {allowed}{remedy})")
-        return faults
-
-    def _why_off(self) -> str:
-        if self.saturated_share < 0.1:
-            return "out of reach"
-        return f"too heavy or out of reach ({self.saturated_joint} at its limit {self.saturated_share:.0%} of the time)"
+        # a body that is contorted does not get better by smaller steps
+        return [*faults, *(finding.text for finding in self.plausibility.findings())] if faults else []
 
     def verdict(self, required: Accuracy) -> Verdict:
-        """ok; degraded, if usable although limits had to be eased; failed."""
+        """failed; implausible: possible, but not as a person would move; degraded: limits had to be eased; or ok."""
         if self.faults(required):
             return "failed"
         return self.kept_as()
 
     def kept_as(self) -> Verdict:
-        """The verdict on a motion that fulfils everything: degraded if limits had to be eased."""
+        """The verdict on a motion that fulfils everything: such a motion is used, whatever else is said of it."""
+        if self.plausibility.findings():
+            return "implausible"
         return "degraded" if self.eased_ticks else "ok"
 
+    def remarks(self) -> list[str]:
+        """What there is to say of a motion that fulfils everything: what makes it implausible, and what was eased."""
+        return [*(finding.text for finding in self.plausibility.findings()), *filter(None, [self.degradation()])]
+
     def degradation(self) -> str:
-        """What was eased, and how much, in words."""
+        """What was eased, and how much, in words; empty if nothing was."""
+        if not self.eased_ticks:
+            return ""
         return (
             f"joint accelerations had to leave their bounds at {self.eased_ticks} ticks, by up to "
             f"{self.eased_radps2:.1f} rad/s^2; a joint passes its range by up to "

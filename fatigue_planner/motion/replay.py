@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.human.model import BASE_DOF, Human
+from fatigue_planner.human.model import Human
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.motion import Motion
 
@@ -20,9 +21,9 @@ _LOCAL, _WORLD = pin.ReferenceFrame.LOCAL, pin.ReferenceFrame.LOCAL_WORLD_ALIGNE
 class Replay:
     """A run of n ticks with the same body.
 
-    residual_nm (n, 45): M a + h - S' tau - J' w - J_h' f_h; centre_of_mass_m (n, 3); energy_j (n,):
-    kinetic and potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques, and the
-    ground and the forces on the hands, do between a tick and the next, at the mean of both velocities;
+    residual_nm (n, 45): M a + h - S' (tau + tau_tissue) - J' w - J_h' f_h; centre_of_mass_m (n, 3); energy_j (n,):
+    kinetic and potential; actuator_work_j and contact_work_j (n - 1,): what the joint torques, of muscles and tissue,
+    and the ground and the forces on the hands, do between a tick and the next, at the mean of both velocities;
     hand_poses (n, 2) the poses of the right and left hand's frame; sole_displacement_m (n, 2) how far the corner of a
     sole that moved most is from where it stood in the natural stance.
     """
@@ -49,6 +50,7 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
     energy, contact_work = np.empty(len(ticks)), np.empty(len(ticks) - 1)
     hand_poses = []
     pushed_hands = bool(motion.hand_force_n.any())
+    torque = motion.torque_nm + motion.tissue_nm
     velocity = motion.velocity[ticks.start : ticks.stop]
     mean_velocity = (velocity[1:] + velocity[:-1]) / 2
     for row, tick in enumerate(ticks):
@@ -58,7 +60,7 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
         energy[row] = pin.computeKineticEnergy(model, data, q, v) + pin.computePotentialEnergy(model, data, q)
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        residual[row, BASE_DOF:] -= motion.torque_nm[tick]
+        residual[row, BASE_DOF:] -= torque[tick]
         pushed = np.zeros(model.nv)
         for sole, wrench in zip(soles, motion.wrench[tick].reshape(2, 6), strict=True):
             pushed += wrench @ pin.getFrameJacobian(model, data, sole, _LOCAL)
@@ -73,8 +75,8 @@ def replay(human: Human, motion: Motion, ticks: range) -> Replay:
         ]
         if row < len(contact_work):
             contact_work[row] = motion.time_step_s * (pushed @ mean_velocity[row])
-    torque = motion.torque_nm[ticks.start : ticks.stop - 1]
-    work = motion.time_step_s * np.einsum("ij,ij->i", torque, mean_velocity[:, BASE_DOF:])
+    acting = torque[ticks.start : ticks.stop - 1]
+    work = motion.time_step_s * np.einsum("ij,ij->i", acting, mean_velocity[:, BASE_DOF:])
     return Replay(residual, centre, energy, work, contact_work, hand_poses, displacement)
 
 

@@ -107,10 +107,13 @@ def rise_of(phase: Phase, time_step_s: float) -> Vector:
     return minimum_jerk(times / min(SWITCH_S, ticks * time_step_s))[0]
 
 
-def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float) -> Trajectory:
+def hand_reference(
+    home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_step_s: float, other_way: bool = False
+) -> Trajectory:
     """From home to the first waypoint, along the waypoints, and home again: minimum jerk, from rest to rest.
 
-    The last waypoint is held until the work is over.
+    The last waypoint is held until the work is over. other_way: whether the hand turns the longer way round on its way
+    to the work and back.
     """
     reach, work, back = phases
     path = goal.path()
@@ -123,7 +126,7 @@ def hand_reference(home: Pose, goal: HandGoal, phases: tuple[Phase, ...], time_s
     bounds = [math.ceil(start / time_step_s - ROUNDING) for start in starts] + [back.stop]
     return Trajectory.joined(
         [
-            Reach(poses[leg], poses[leg + 1], ends[leg] - starts[leg]).at(
+            Reach(poses[leg], poses[leg + 1], ends[leg] - starts[leg], other_way and leg in {0, len(starts) - 1}).at(
                 np.arange(bounds[leg], bounds[leg + 1]) * np.float64(time_step_s) - starts[leg]
             )
             for leg in range(len(starts))

@@ -4,19 +4,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import Body, MotionRequest
 from fatigue_planner.motion.failure import failure
 from fatigue_planner.motion.motion import Motion
-from fatigue_planner.motion.schedule import (
-    Run,
-    forces_of,
-    hand_reference,
-    phases_of,
-    rise_of,
-    runs_of,
-    weight_factor_of,
-)
+from fatigue_planner.motion.physiology.hand_turn import effort, ways_round
+from fatigue_planner.motion.schedule import Run, forces_of, phases_of, runs_of
+from fatigue_planner.motion.settings import Side
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -25,34 +20,19 @@ Matrix = NDArray[np.float64]
 class Simulator:
     """The digital human at a tick of a cycle: `prepare` evaluates it, `advance` moves it to the next."""
 
-    def __init__(self, request: MotionRequest) -> None:
-        self.request = request
+    def __init__(self, request: MotionRequest, other_way: frozenset[Side] = frozenset()) -> None:
+        self.request, self.other_way = request, other_way
         self.time_step_s = dt = request.controller.time_step_s
         self.phases = phases_of(request.cycle, dt)
         self.ticks = self.phases[-1].stop
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
-        factors = [weight_factor_of(task.during, self.phases, dt) for task in request.preference.tasks]
-        self._turned_share = np.ones(self.ticks)
-        if request.cycle.return_hand == "position":
-            self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
-        self._switched = [(index, factor) for index, factor in enumerate(factors) if factor is not None]
-        self.body = Body(request, self.runs[0])
-        self.references = {
-            side: hand_reference(self.body.hand_pose(side), goal, self.phases, dt)
-            for side, goal in request.action.goals().items()
-        }
-        self._hand_over()
+        self.body = Body(request, self.runs[0], other_way)
         self.configuration, self.velocity = self.body.human.stance.copy(), np.zeros(self.body.human.model.nv)
 
     def take_up(self, run: Run) -> None:
         """Change the masses in the hands."""
-        self.body = Body(self.request, run)
-        self._hand_over()
-
-    def _hand_over(self) -> None:
-        for side, task in self.body.hands.items():
-            task.reference = self.references[side]
+        self.body = Body(self.request, run, self.other_way)
 
     def prepare(self, tick: int) -> Vector:
         """Evaluate the body, its references and the forces at a tick; returns the forces on the hands (6,)."""
@@ -66,11 +46,11 @@ class Simulator:
             body.state.push(body.hand_frames[planned.hand], force)
             body.lean_against(planned.hand, force)
             forces[3 * SIDES.index(planned.hand) :][:3] += force
-        for index, task in enumerate(body.hands.values(), start=1):
+        for task in body.hands.values():
             task.index = tick
-            body.controller.weigh(index, self._turned_share[tick], first_row=3)
-        for index, factor in self._switched:
-            body.controller.weigh(body.first_preferred + index, factor[tick])
+        for index, first_row, share in body.shares:
+            body.controller.weigh(index, share[tick], first_row)
+        body.physiology.prepare(tick)
         return forces
 
     def advance(self, acceleration: Vector) -> None:
@@ -82,24 +62,41 @@ class Simulator:
 
     def hand_positions(self) -> Vector:
         """The positions of the hands with a goal, (3 per hand,) m."""
-        state, frames = self.body.state, self.body.hand_frames
-        return np.concatenate([state.placement(frames[side]).translation for side in self.references])
+        return np.concatenate([self.body.state.placement(task.frame).translation for task in self.body.hands.values()])
 
 
 def simulate(request: MotionRequest) -> Motion:
     """Simulate one cycle from the natural stance.
 
     Raises FailedMotionError, naming time, phase, tick, the limit in the way and advice, if the program
-    has no solution at some tick, even with the bounds of the joint accelerations eased.
+    has no solution at some tick, even with the bounds of the joint accelerations eased; where hands may turn either
+    way round, that of the shorter way, if no way has one.
     """
     simulator = Simulator(request)
+    body, work = simulator.body, simulator.phases[1].start
+    if not body.physiology.turns_either_way:
+        return _simulated(simulator)
+    motions, failures = [], []
+    for other_way in ways_round({side: task.reference for side, task in body.hands.items()}, work):
+        try:
+            motions.append(_simulated(Simulator(request, other_way) if other_way else simulator))
+        except FailedMotionError as error:
+            failures.append(error)
+    if not motions:
+        raise failures[0]
+    strength = request.maximum_torque.vectors()
+    return min(motions, key=lambda motion: effort(motion.torque_nm, *strength))
+
+
+def _simulated(simulator: Simulator) -> Motion:
     nv = simulator.velocity.size
     widths = {
         "configuration": nv + 1, "velocity": nv, "acceleration": nv, "torque_nm": nv - 6, "wrench": 12,
-        "hand_force_n": 6, "eased_radps2": nv - 6,
+        "hand_force_n": 6, "eased_radps2": nv - 6, "tissue_nm": nv - 6,
     }  # fmt: skip
     record = {name: np.empty((simulator.ticks, width)) for name, width in widths.items()}
-    positions = np.empty((simulator.ticks, 3 * len(simulator.references)))
+    hands = simulator.body.hands.values()
+    positions = np.empty((simulator.ticks, 3 * len(hands)))
     for run in simulator.runs:
         if run.start > 0:
             simulator.take_up(run)
@@ -111,9 +108,9 @@ def simulate(request: MotionRequest) -> Motion:
             record["configuration"][tick], record["velocity"][tick] = simulator.configuration, simulator.velocity
             record["acceleration"][tick], record["torque_nm"][tick] = result.acceleration, result.torque_nm
             record["wrench"][tick], record["hand_force_n"][tick] = result.wrench, force
-            record["eased_radps2"][tick] = result.eased_radps2
+            record["eased_radps2"][tick], record["tissue_nm"][tick] = result.eased_radps2, result.tissue_nm
             positions[tick] = simulator.hand_positions()
             simulator.advance(result.acceleration)
-    wanted = np.concatenate([reference.position_m for reference in simulator.references.values()], axis=1)
+    wanted = np.concatenate([task.reference.position_m for task in hands], axis=1)
     errors = np.linalg.norm((positions - wanted).reshape(simulator.ticks, -1, 3), axis=2)
     return Motion(time_step_s=simulator.time_step_s, phases=simulator.phases, hand_error_m=errors.max(axis=1), **record)

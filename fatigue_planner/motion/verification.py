@@ -6,12 +6,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.human.model import BASE_DOF, Human, build_human
+from fatigue_planner.human.model import Human, build_human
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.contact import WRENCH, wrench_cone
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import ROWS, Motion
+from fatigue_planner.motion.physiology.registry import tissue_of
+from fatigue_planner.motion.plausibility import measure_plausibility
 from fatigue_planner.motion.quality import Quality, saturation
 from fatigue_planner.motion.replay import energy_error_share, replay
 from fatigue_planner.motion.schedule import forces_of, hand_reference, phases_of, runs_of
@@ -79,6 +82,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         centre_of_pressure_violation_m=float((tipping / pressing[:, None]).max()),
         wrench_cone_violation=float((forces @ wrench_cone(length, breadth, friction).T).max()),
         torque_violation_nm=float(np.maximum(motion.torque_nm - positive, -motion.torque_nm - negative).max()),
+        tissue_violation_nm=_tissue_violation(request, human, motion),
         position_violation_rad=float(
             np.maximum(joints - model.upperPositionLimit[7:], model.lowerPositionLimit[7:] - joints).max()
         ),
@@ -94,6 +98,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
         saturated_joint=saturated.joint,
         eased_ticks=int((eased > 0).sum()),
         eased_radps2=float(eased.max()),
+        plausibility=measure_plausibility(request, motion),
     )
 
 
@@ -118,6 +123,19 @@ def _integration_error(human: Human, motion: Motion) -> float:
         motion.configuration[1:] - np.array(ahead),
     )
     return float(np.max([np.abs(part).max() for part in parts]))
+
+
+def _tissue_violation(request: MotionRequest, human: Human, motion: Motion) -> float:
+    """How far the torques of tissue and stops are from what the human's tissue exerts and his stops may bear."""
+    tissue = tissue_of(request.worker.human, human.anthropometry)
+    if tissue is None:
+        return float(np.abs(motion.tissue_nm).max())
+    step = motion.time_step_s
+    speeds = motion.velocity[:, BASE_DOF:] + step * motion.acceleration[:, BASE_DOF:]
+    angles = motion.configuration[:, 7:] + step * speeds
+    total = motion.torque_nm + motion.tissue_nm
+    expected = np.array([tissue.borne(*tick) for tick in zip(angles, total, strict=True)])
+    return float(np.abs(motion.tissue_nm - expected).max())
 
 
 def _hand_errors(

@@ -10,7 +10,7 @@ import os
 import re
 import stat
 from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
@@ -26,6 +26,7 @@ from fatigue_planner.core.errors import (
 from fatigue_planner.core.executors.executor import Executor, Lost
 from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, writable_folder
 from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.causes import causes_of, on_target
 from fatigue_planner.motion.motion import ROWS, Motion
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
@@ -206,10 +207,11 @@ def simulate_and_measure(request: MotionRequest) -> tuple[Motion, Quality] | str
     try:
         motion = simulate(request)
     except FailedMotionError as error:
-        return str(error)
+        return f"{error} {causes_of(request)}."
     if not all((np.abs(getattr(motion, name)) < MAX_MAGNITUDE).all() for name in ROWS):
         return f"the motion has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}"
-    return motion, measure(request, motion)
+    quality = measure(request, motion)
+    return motion, quality if on_target(motion) else replace(quality, tested_causes=causes_of(request))
 
 
 def read_content(path: Path) -> bytes:

@@ -7,7 +7,7 @@ reason                      of a failed reaction: why it cannot be performed; it
 quality                     JSON: what was measured of the motion (`Quality`)
 time_step_s
 phases, phase_ticks         names; first and last + 1 tick
-torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2
+torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2, tissue_nm
                             one row per tick; attributes `units` and `columns`
 content_sha256              of all of the above
 
@@ -29,7 +29,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import canonical_json, digest_of
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.capsules import checked_pairs
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
@@ -48,7 +49,7 @@ _CHECKSUM_MARK = b"fatplan sha256 "
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
 FAILED_FORMAT = "fatplan failed reaction"
-FORMAT_VERSION = 4  # to be raised when Motion, Quality or the layout above change
+FORMAT_VERSION = 5  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -64,6 +65,7 @@ ARRAYS: dict[str, tuple[int | None, str, str]] = {
     "hand_force_n": (6, "N", "force on the fist, world axes: right x, y, z, left x, y, z"),
     "hand_error_m": (None, "m", "distance of a fist from its reference, the larger of both"),
     "eased_radps2": (_N, "rad/s^2", f"how far accelerations are outside their bounds: {_JOINTS}"),
+    "tissue_nm": (_N, "N.m", f"of tissue and stops, beside the muscles: {_JOINTS}"),
 }
 _ROW_BYTES = 8 * sum(width or 1 for width, _, _ in ARRAYS.values())
 MAX_TEXT = 1_000_000
@@ -244,8 +246,14 @@ def _quality(found: Array) -> Quality:
         raise ValueError(f"quality {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
     if canonical_json(asdict(quality)).encode() != found.item():
         raise ValueError("its quality is not as this program writes it")
-    if not {quality.largest_load_joint, quality.saturated_joint} <= {"", *DEGREES_OF_FREEDOM}:
+    seen = quality.plausibility
+    joints = {quality.largest_load_joint, quality.saturated_joint, seen.pushing_joint, seen.torque_step_joint}
+    if not joints | {seen.end_pose_joint, seen.stance_load_joint} <= {"", *DEGREES_OF_FREEDOM}:
         raise ValueError("its quality names an unknown joint")
+    if not quality.tested_causes.isprintable() or len(quality.tested_causes) > MAX_REASON:
+        raise ValueError("its quality is not as this program writes it")
+    if seen.penetration_parts not in {"", *(f"{first} and {second}" for first, second in checked_pairs())}:
+        raise ValueError("its quality names an unknown part of the body")
     return quality
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.files import DIGEST_LENGTH
-from fatigue_planner.human.model import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion

@@ -2,11 +2,12 @@
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, DataFileError, OtherVersionError
-from fatigue_planner.motion.quality import Verdict
+from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.verification import MismatchError, measure
 from fatigue_planner.reactions.cache import ReactionCache, simulate_and_measure
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
@@ -45,8 +46,7 @@ def verify_entry(path: Path) -> Verification:
         return Verification(path, "failed", reaction.name, "; ".join(faults))
     if isinstance(reaction, FailedReaction):
         return Verification(path, "ok", reaction.name, f"cannot be performed: {reaction.reason}")
-    verdict = reaction.quality.kept_as()
-    return Verification(path, verdict, reaction.name, reaction.quality.degradation() if verdict == "degraded" else "")
+    return Verification(path, reaction.quality.kept_as(), reaction.name, "; ".join(reaction.quality.remarks()))
 
 
 def faults_of(stored: Reaction | FailedReaction) -> list[str]:
@@ -62,12 +62,20 @@ def faults_of(stored: Reaction | FailedReaction) -> list[str]:
         if isinstance(stored, FailedReaction):
             as_stored = simulate_and_measure(request) == stored.reason
             return [] if as_stored else ["is stored as failed, for another reason than its simulation has"]
-        quality = asdict(measure(request, stored.motion))
+        quality = _flat(measure(request, stored.motion))
     except (MismatchError, DataFileError) as error:
         return [str(error)]
-    noted = asdict(stored.quality)
+    noted = _flat(stored.quality)
     return [
         f"{check} = {value}, stored as {noted[check]}"
         for check, value in quality.items()
         if (value != noted[check] if isinstance(value, str) else not abs(value - noted[check]) <= TOLERANCE)
     ]
+
+
+def _flat(quality: Quality) -> dict[str, Any]:
+    """All that can be measured of a stored motion, by name."""
+    measures = asdict(quality)
+    del measures["tested_causes"]
+    seen: dict[str, Any] = measures.pop("plausibility")
+    return measures | seen

@@ -43,7 +43,8 @@ from environments import PeerMissingError, environment_of
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, build_human
+from fatigue_planner.human.model import Human, build_human
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion

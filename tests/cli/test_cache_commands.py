@@ -38,7 +38,7 @@ def cache(cache_folder: Path, tmp_path: Path) -> Path:
 
 def test_verify_checks_everything_again(cache: Path, reactions: tuple[Reaction, ...]) -> None:
     text = told(0, "verify", "--cache", cache)
-    assert "4 reactions: 4 ok, 0 degraded, 0 failed, 0 damaged, 0 of other versions" in text
+    assert "4 reactions: 0 ok, 4 implausible, 0 degraded, 0 failed, 0 damaged, 0 of other versions" in text
     torque = reactions[0].motion.torque_nm.copy()
     torque[100, 3] += 1e-3
     keep(cache, replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque)))

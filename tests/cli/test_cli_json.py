@@ -55,7 +55,7 @@ def test_simulate(cache_folder: Path, tmp_path: Path) -> None:
     assert found["folder"] == str(cache_folder) and (found["found"], found["simulated"], found["failed"]) == (4, 0, 0)
     first = found["reactions"][0]
     assert list(first) == documented_keys("simulate: reactions")
-    assert first["name"] == "average_man/high/arm" and len(first["digest"]) == 64 and first["verdict"] == "ok"
+    assert first["name"] == "average_man/high/arm" and len(first["digest"]) == 64 and first["verdict"] == "implausible"
     assert 0 < first["hand_error_m"] < 0.02 and 0.3 < first["largest_load_share"] < 0.8
     far = tmp_path / "far.yaml"
     text = PAPER.read_text().replace("x: 0.5, y: -0.25, z: 1.2", "x: 1.3, y: -0.25, z: 1.2")
@@ -93,7 +93,7 @@ def test_cache(cache_folder: Path, tmp_path: Path) -> None:
     where = ["--cache", cache_folder]
     found = document("cache list", *where)
     assert [one["current"] for one in found["reactions"]] == [True] * 4 and found["unreadable"] == []
-    assert document("cache verify", *where)["counts"] == {"ok": 4}
+    assert document("cache verify", *where)["counts"] == {"implausible": 4}
     mine = tmp_path / "mine.yaml"
     mine.write_text(PAPER.read_text().replace("solver: daqp", "solver: qpoases"))
     found = document("cache why", mine, *where)

@@ -11,8 +11,10 @@ from commands import fatplan, refused
 
 from fatigue_planner.core.errors import ExperimentError, SelectionError
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.experiment.loader import editor_schema, load_experiment, parse_experiment
+from fatigue_planner.experiment.loader import complete_content, editor_schema, load_experiment, parse_experiment
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
+from fatigue_planner.human.stance import stance_deg
 from fatigue_planner.study.benchmark.selection import Selection, selected
 from fatigue_planner.study.claims.schema import ClaimsFile
 from fatigue_planner.study.sensitivity.settings import StudySettings
@@ -62,7 +64,7 @@ def _is_number(schema: dict[str, Any]) -> bool:
 
 
 def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -> None:
-    mine = smallest()
+    mine = smallest(human="paper")
     same = ("workers", "cycle", "preferences", "controller", "accuracy", "fatigue", "discount")
     assert [key for key in same if getattr(mine, key) != getattr(paper, key)] == []
     same = ("policies", "n_cycles", "trials", "seed", "reference")
@@ -74,6 +76,19 @@ def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -
         "novice": 0, "expert": float("inf"),
     }  # fmt: skip
     assert mine.figures == {"returns": ("novice", "expert")}
+
+
+def test_workers_are_the_human_of_the_experiment_unless_they_name_one() -> None:
+    workers = {"anna": ANNA, "bob": ANNA | {"human": "paper"}}
+    assert smallest().human == "natural"
+    humans: tuple[HumanKind, HumanKind] = ("natural", "paper")
+    for mine, expected in (
+        (smallest(workers=workers), humans),
+        (smallest(human="paper", workers=workers), ("paper",) * 2),
+    ):
+        found = tuple((worker.human, worker.natural_posture_deg) for worker in mine.workers.values())
+        assert found == tuple((human, stance_deg(Anthropometry(1.65, 60, "female", human))) for human in expected)
+        assert parse_experiment(complete_content(mine), "again") == mine
 
 
 def test_defaults_follow_what_the_file_says() -> None:
@@ -120,7 +135,7 @@ def test_what_is_left_to_defaults_is_said_and_can_be_written_out(tmp_path: Path)
     file.write_text(SMALLEST + "workers: {anna: {height_m: 1.65, mass_kg: 60, sex: female}}\ncycle: {work_s: 8}\n")
     said = fatplan("validate", file).stdout.splitlines()[1]
     assert said.startswith(
-        "Left to defaults: workers.anna.strength, workers.anna.natural_posture_deg, tool, cycle.reach_s"
+        "Left to defaults: human, workers.anna.strength, workers.anna.natural_posture_deg, tool, cycle.reach_s"
     )
     whole = tmp_path / "whole.yaml"
     whole.write_text(fatplan("validate", file, "--resolved").stdout)

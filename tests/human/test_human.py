@@ -10,11 +10,15 @@ from fatigue_planner.core.errors import DataFileError
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
 from fatigue_planner.human.joint_data import maximum_torque, position_limits, posture, ranges_of_motion
-from fatigue_planner.human.model import GRAVITY_MPS2, Human, Worker, build_human, joint_index, stand
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.model import Human, Worker, build_human, joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2, stand
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, without_side
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.controller import WholeBodyController
+from fatigue_planner.motion.physiology.piece import Scene
+from fatigue_planner.motion.physiology.registry import Physiology
 from fatigue_planner.motion.tasks.centre_of_mass import CentreOfMassTask
 from fatigue_planner.motion.tasks.joint_posture import WholePosture
 from fatigue_planner.motion.tasks.task import Coordinates
@@ -23,7 +27,14 @@ from fatigue_planner.motion.tasks.task import Coordinates
 def worker(height_m: float = 1.75, mass_kg: float = 75, sex: str = "male") -> Worker:
     strength = "average_man" if sex == "male" else "average_woman"
     return Worker.model_validate(
-        {"height_m": height_m, "mass_kg": mass_kg, "sex": sex, "strength": strength, "natural_posture_deg": {}}
+        {
+            "human": "paper",
+            "height_m": height_m,
+            "mass_kg": mass_kg,
+            "sex": sex,
+            "strength": strength,
+            "natural_posture_deg": {},
+        }
     )
 
 
@@ -70,7 +81,7 @@ def test_segment_masses_sum_to_the_body(sex: str, total: float) -> None:
 
 def test_upper_body_centre_of_mass_matches_the_hand_calculation() -> None:
     """Head, thorax, neck and abdomen: 29.4 kg, .335 m above L5/S1 for 75 kg and 1.75 m."""
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     human = build_human(worker())
     bodies = ("abdomen", "thorax", "neck", "head")
     masses = [body.segment(name).mass_kg for name in bodies]
@@ -84,7 +95,7 @@ def test_moments_of_inertia_by_hand() -> None:
 
     The foot's long axis is x. About the axis of a straight hanging arm only the longitudinal moments count.
     """
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     sizes = {  # length in m, mass in % of the body's, radii in % of the length
         "forearm": (body.length("forearm_length"), 1.62, [27.6, 26.5, 12.1]),
         "thigh": (body.length("thigh_length"), 14.16, [32.9, 32.9, 14.9]),
@@ -187,7 +198,7 @@ def test_a_taller_heavier_worker_is_scaled() -> None:
 
 def test_static_shoulder_torque_by_hand() -> None:
     """Arm held out horizontally with a 5 kg tool: sum of weight times distance along the arm."""
-    body = Anthropometry(1.75, 75, "male")
+    body = Anthropometry(1.75, 75, "male", "paper")
     upper, fore, hand = (body.segment(f"right_{name}") for name in ("upper_arm", "forearm", "hand"))
     elbow = body.length("upper_arm_length")
     wrist = elbow + body.length("forearm_length")
@@ -218,9 +229,10 @@ def test_neutral_stance_with_empty_hands_rests_every_joint(paper: Experiment) ->
     balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
     stay = WholePosture(weights.posture, stiffness.posture, human.stance[7:])
     strength = maximum_torque(paper.workers["average_man"].strength).vectors()
-    result = WholeBodyController(human, state, paper.controller, strength, stay, [balance]).step()
+    none = Physiology("paper", Scene(human, state, (), 0.01, {}))
+    result = WholeBodyController(human, state, paper.controller, strength, stay, none, [balance]).step()
     assert result is not None
-    acceleration, _, torque, _ = result
+    acceleration, _, torque, *_ = result
     np.testing.assert_allclose(acceleration, 0, atol=1e-3)
     share = np.maximum(torque / strength[0], -torque / strength[1])
     assert share.max() < paper.fatigue.threshold
@@ -267,3 +279,57 @@ def test_the_exported_body_can_be_seen_and_its_joints_are_listed_as_motions_coun
     height = float(foot.find("visual/geometry/box").get("size").split()[2])
     centre = float(foot.find("visual/origin").get("xyz").split()[2])
     assert centre - height / 2 == pytest.approx(human.anthropometry.sole_rectangle()[3])
+
+
+def test_compiled_kinematics_are_pinocchios(human: Human) -> None:
+    random = np.random.default_rng(3)
+    lower, upper = position_limits()
+    configurations = np.array([pin.randomConfiguration(human.model) for _ in range(20)])
+    configurations[:, :3] = random.normal(size=(20, 3))
+    configurations[:, 7:] = random.uniform(lower, upper, size=(20, 39))
+    poses, data = poses_of(tree_of(human.anthropometry), configurations), human.model.createData()
+    for row, configuration in enumerate(configurations):
+        pin.framesForwardKinematics(human.model, data, configuration)
+        for index, body in enumerate(BODIES):
+            at = data.oMf[human.model.getFrameId(body)]
+            assert poses.rotation[row, index] == pytest.approx(at.rotation, abs=1e-12)
+            assert poses.origin_m[row, index] == pytest.approx(at.translation, abs=1e-12)
+    grip = data.oMf[human.model.getFrameId("right_grip")].translation
+    assert poses.points("right_hand", human.anthropometry.grip_m())[-1] == pytest.approx(grip, abs=1e-12)
+
+
+@pytest.mark.parametrize(("sex", "height_m"), [("male", 1.756), ("female", 1.628)])
+def test_the_natural_geometry_is_that_of_measured_people(sex: str, height_m: float) -> None:
+    """Against numbers that the geometry was not made of: spans, and heights of people standing (ANSUR II, cm)."""
+    measured = {
+        "male": {"span": 181.4, "elbow": 0.630 * 175.6, "wrist": 84.8, "trochanterion": 90.1, "acromion": 144.1},
+        "female": {"span": 166.0, "elbow": 0.630 * 162.8, "wrist": 79.4, "trochanterion": 84.5, "acromion": 133.5},
+    }[sex]
+    body = Anthropometry(height_m, 70, sex, "natural")
+    paper = Anthropometry(height_m, 70, sex, "paper")
+    arm = sum(body.length(name) for name in ("upper_arm_length", "forearm_length", "hand_length"))
+    span = 200 * (body.length("shoulder_half_width") + arm)
+    # no collar bone draws the shoulders in when the arms are held out
+    assert 1 < span / measured["span"] < 1.045 < 109 * height_m / measured["span"]
+    shoulder = 100 * body.length("shoulder_height")
+    assert shoulder - 100 * body.length("upper_arm_length") == pytest.approx(measured["elbow"], rel=0.02)
+    assert shoulder - 100 * (body.length("upper_arm_length") + body.length("forearm_length")) == pytest.approx(
+        measured["wrist"], abs=0.1
+    )
+    assert 2 < measured["acromion"] - shoulder < 5  # the joint is below the acromion
+    hip = 100 * sum(body.length(name) for name in ("ankle_height", "shank_length", "thigh_length"))
+    assert measured["trochanterion"] < hip < 100 * 0.558 * height_m  # ANSUR II; the eight subjects
+    assert body.length("thigh_length") == paper.length("thigh_length")
+
+
+def test_the_papers_geometry_is_winters(human: Human) -> None:
+    assert human.anthropometry.human == "paper"
+    arm = [human.anthropometry.length(f"{name}_length") / 1.75 for name in ("upper_arm", "forearm", "hand")]
+    assert arm == pytest.approx([0.186, 0.146, 0.108], rel=1e-12)
+
+
+@pytest.mark.parametrize("end", ["min", "max"])
+def test_a_posture_may_be_at_the_end_of_a_range(end: str) -> None:
+    for name, motion in ranges_of_motion().items():
+        angle = getattr(motion, end)
+        assert posture({name: angle}, "posture").any() == (angle != 0)

@@ -10,7 +10,8 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import BASE_DOF, Human, build_human
+from fatigue_planner.human.model import Human, build_human
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.human.urdf import urdf_text
 from fatigue_planner.motion.simulator import simulate
@@ -101,13 +102,14 @@ def test_forces_on_the_hands_are_balanced_in_mujoco_too() -> None:
     """A co-transport: torques, contact forces and forces on both hands balance the motion at every tick."""
     experiment = load_experiment(ROOT / "experiments" / "co_transport.yaml")
     request = reaction_requests(experiment)[-1].motion
+    assert request.worker.human == "natural"  # muscles and tissue together
     motion, oracle = simulate(request), Oracle(build_human(request.worker))
     grips = [oracle.model.body(f"{side}_hand").id for side in ("right", "left")]
     offset = build_human(request.worker).anthropometry.grip_m()
     worst = 0.0
     for tick, (q, v, a) in enumerate(zip(motion.configuration, motion.velocity, motion.acceleration, strict=True)):
         residual = oracle.inverse_dynamics(q, v, a) - oracle.of_contacts(motion.wrench[tick], q)
-        residual[BASE_DOF:] -= motion.torque_nm[tick]
+        residual[BASE_DOF:] -= motion.torque_nm[tick] + motion.tissue_nm[tick]
         for body, force in zip(grips, motion.hand_force_n[tick].reshape(2, 3), strict=True):
             point = oracle.data.xpos[body] + oracle.data.xmat[body].reshape(3, 3) @ offset
             residual -= oracle.of_force(point, body, force, q)

@@ -7,7 +7,8 @@ import pytest
 
 from fatigue_planner.core.errors import DataFileError
 from fatigue_planner.human.joint_data import maximum_torque
-from fatigue_planner.human.model import GRAVITY_MPS2, joint_index
+from fatigue_planner.human.model import joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.strength_sets import STRENGTHS, load_strengths, shipped_sets
 from fatigue_planner.output.reports.human.references import references
 

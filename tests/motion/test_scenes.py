@@ -12,7 +12,8 @@ from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import GRAVITY_MPS2, build_human, joint_index
+from fatigue_planner.human.model import build_human, joint_index
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position, Waypoint
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.body_state import BodyState
@@ -269,8 +270,8 @@ def test_the_squat_bends_the_knees_and_keeps_the_back_upright() -> None:
             knee[request.name.preference] = np.degrees(
                 motion.configuration[tick, 7 + joint_index("right_knee_flexion")]
             )
-    assert tilt["squat"] < 30 and tilt["arm"] > 50 and tilt["back"] > 50
-    assert knee["squat"] > 80 and knee["arm"] < 60
+    assert tilt["squat"] < 30 < tilt["arm"] < 45 and tilt["back"] > 80
+    assert knee["squat"] > knee["arm"] + 20 and knee["back"] < 30
 
 
 def test_pose_grid_is_what_its_file_says() -> None:
@@ -326,7 +327,7 @@ def test_workers_differ_by_body_and_strength() -> None:
         step = simulator.body.controller.step()
         assert step is not None
         simulator.advance(step.acceleration)
-    assert step.torque_nm[joint_index("right_shoulder_flexion")] == pytest.approx(limit, rel=1e-6)
+    assert step.torque_nm[joint_index("right_shoulder_flexion")] == pytest.approx(limit, rel=2e-3)
 
 
 def fault(tmp_path: Path, source: str, old: str, new: str) -> str:
@@ -410,15 +411,6 @@ def test_who_is_pushed_leans_against_it(request_: MotionRequest, paper: Experime
     pressure = -soles[:, :, 4].sum(axis=1) / soles[:, :, 2].sum(axis=1)
     assert pressure[1] == pytest.approx(pressure[0], abs=0.005)
     assert measure(request, motion).centre_of_pressure_violation_m < 0
-
-
-def test_a_target_beyond_the_arm_is_said_to_be_out_of_reach(paper: Experiment) -> None:
-    from fatigue_planner.core.errors import FailedMotionError
-
-    request = reaction_requests(paper)[0].motion
-    goal = HandGoal(position_m=Position(x=1.5, y=-0.25, z=1.2), orientation_deg=FORWARD)
-    with pytest.raises(FailedMotionError, match=r"Out of reach: the right hand should be \d\.\d\d m from the shoulder"):
-        simulate(replace(request, action=Action(right_hand=goal)))
 
 
 def test_the_way_home_may_leave_the_hands_free_to_turn() -> None:

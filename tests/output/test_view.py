@@ -26,7 +26,7 @@ from fatigue_planner.cli.view import view
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import GRAVITY_MPS2
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.postures import filmstrip
 from fatigue_planner.output.viewer.body_shapes import body_shapes
@@ -108,7 +108,7 @@ def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], 
     } <= names
     assert {f"/joints/{joint.name}" for joint in JOINTS} <= names
     labels = [message["updates"]["text"] for _, message in messages if "text" in message.get("updates", {})]
-    assert labels[0] == f"{SHOWN}: reach, 0.0 s" and labels[-1].startswith(f"{SHOWN}: return, 16.0 s")
+    assert labels[0] == f"{SHOWN}: reach, 0.0 s (!)" and labels[-1].startswith(f"{SHOWN}: return, 16.0 s")
     assert max(time for time, _ in messages) == pytest.approx(shown.duration_s, abs=2 / FRAMES_PER_S)
 
 
@@ -230,3 +230,8 @@ def test_forces_on_the_hands_are_drawn_larger(shown: MotionClip) -> None:
     pushed = replace(shown, motion=replace(shown.motion, hand_force_n=np.full_like(shown.motion.hand_force_n, 10.0)))
     arrows = force_arrows(pushed.instant(5))
     np.testing.assert_allclose(arrows[2:, 1] - arrows[2:, 0], METRES_PER_NEWTON_ON_A_HAND * 10, atol=1e-3)
+
+
+def test_what_no_person_would_do_is_said_beside_the_scene(html: str, shown: MotionClip) -> None:
+    assert shown.remarks and all(remark in html for remark in shown.remarks)
+    assert f"<b>{SHOWN}</b>" in html and 'id="remarks"' in html

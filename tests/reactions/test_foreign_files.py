@@ -314,7 +314,7 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "not a reaction": (text("format", b"something"), "is not a fatplan reaction"),
     "no format": (by(lambda file: file.__delitem__("format")), "format is missing"),
     "a format of 1 MB": (text("format", b"x" * 1_000_000), "format is longer"),
-    "format 5": (by(instead("format_version", 5)), "has format 5"),
+    "format 6": (by(instead("format_version", 6)), "has format 6"),
     "format -1": (by(instead("format_version", -1)), "has format -1"),
 }  # fmt: skip
 READ: dict[str, Build] = {

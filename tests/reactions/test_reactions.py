@@ -51,7 +51,7 @@ def other_key(reaction: Reaction, **settings: object) -> ReactionKey:
 def test_an_entry_describes_itself(cache_folder: Path) -> None:
     assert len(list(cache_folder.glob("*.h5"))) == 4
     with h5py.File(next(cache_folder.glob("average_man-high-arm-*.h5"))) as file:
-        assert file["format"][()] == b"fatplan reaction" and file["format_version"][()] == 4
+        assert file["format"][()] == b"fatplan reaction" and file["format_version"][()] == 5
         assert file["name"][()].tolist() == [b"average_man", b"high", b"arm"]
         assert [name.decode() for name in file["phases"]] == ["reach", "work", "return"]
         assert file["torque_nm"].attrs["columns"].split(", ") == list(DEGREES_OF_FREEDOM)
@@ -112,15 +112,15 @@ def test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again(
 ) -> None:
     strict = brief.model_copy(update={"accuracy": brief.accuracy.model_copy(update={"hand_error_m": 1e-7})})
     told = [outcome for experiment in (strict, brief, strict) for outcome in complete(experiment, tmp_path)[1]]
-    assert [outcome.verdict for outcome in told] == ["failed", "ok", "failed"]
+    assert [outcome.verdict for outcome in told] == ["failed", "implausible", "failed"]
     assert [outcome.found for outcome in told] == [False, True, True]
-    assert told[0].failure == told[2].failure and "out of reach" in told[0].failure and told[1].failure == ""
+    assert told[0].failure == told[2].failure and "the hand stays" in told[0].failure and told[1].failure == ""
     assert len(ReactionCache(tmp_path).files()) == 1
     assert load_reactions(strict, tmp_path, "fatplan simulate") == ()
     assert len(load_reactions(brief, tmp_path, "fatplan simulate")) == 1
     both = [*reaction_requests(strict), *reaction_requests(brief)]
     outcomes = ReactionCache(tmp_path).complete(both, LocalProcesses(1), lambda _: None)
-    assert [outcome.verdict for outcome in outcomes] == ["failed", "ok"]
+    assert [outcome.verdict for outcome in outcomes] == ["failed", "implausible"]
 
 
 def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Experiment, tmp_path: Path) -> None:
@@ -129,6 +129,7 @@ def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Expe
     _, again = complete(weak, tmp_path / "a")
     assert [outcome.found for outcome in (*first, *again)] == [False, True]
     assert first[0].failure == again[0].failure and "no admissible movement" in first[0].failure
+    assert first[0].failure.endswith("it fails without load, at half the speed and half-way to the hanging hand.")
     assert load_reactions(weak, tmp_path / "a", "fatplan simulate") == ()
     (path,) = cache.files()
     assert verify_entry(path).verdict == "ok" and first[0].failure in verify_entry(path).reason
@@ -214,10 +215,10 @@ def test_a_degraded_motion_is_kept_and_says_so(brief: Experiment, tmp_path: Path
     )
     _, first = complete(slow, tmp_path)
     _, again = complete(slow, tmp_path)
-    assert [outcome.verdict for outcome in (*first, *again)] == ["degraded", "degraded"]
+    assert [outcome.verdict for outcome in (*first, *again)] == ["implausible", "implausible"]
     assert again[0].found and again[0].quality == first[0].quality
     (file,) = ReactionCache(tmp_path).files()
-    assert verify_entry(file).verdict == "degraded" and "ticks" in verify_entry(file).reason
+    assert verify_entry(file).verdict == "implausible" and "ticks" in verify_entry(file).reason
 
 
 def test_two_names_of_the_same_reaction_are_simulated_once(brief: Experiment, tmp_path: Path) -> None:
@@ -233,7 +234,7 @@ def test_two_names_of_the_same_reaction_are_simulated_once(brief: Experiment, tm
 def test_audit_recomputes_every_invariant(cache_folder: Path, reactions: tuple[Reaction, ...], tmp_path: Path) -> None:
     """A stored motion that does not keep its bars is found, even behind a valid hash."""
     good = verify_entry(ReactionCache(cache_folder).files()[0])
-    assert (good.verdict, good.reason, good.damaged) == ("ok", "", False)
+    assert (good.verdict, good.damaged) == ("implausible", False) and "face turned away" in good.reason
     torque = reactions[0].motion.torque_nm.copy()
     torque[100, 3] += 1e-3
     forged = replace(reactions[0], motion=replace(reactions[0].motion, torque_nm=torque))

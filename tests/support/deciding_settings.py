@@ -49,7 +49,8 @@ def _experiment() -> Content:
     content["tool"]["hand"] = "right"
     content["cycle"] |= {"reach_s": 1.0, "work_s": 0.5, "return_s": 1.0}  # quick to simulate
     content["workers"]["woman"] = {
-        "height_m": 1.65, "mass_kg": 62.0, "sex": "female", "strength": "average_woman", "natural_posture_deg": POSTURE,
+        "human": "paper", "height_m": 1.65, "mass_kg": 62.0, "sex": "female", "strength": "average_woman",
+        "natural_posture_deg": POSTURE,
     }  # fmt: skip
     content["actions"]["path"] = {
         "left_hand": {
@@ -121,6 +122,7 @@ def _experiment() -> Content:
     }  # fmt: skip
     for task in (task for preference in content["preferences"].values() for task in preference["tasks"]):
         task.setdefault("during", PHASES)
+        task.setdefault("stiffness_per_s2", 20.0)
     return _listed(content)  # nothing of it is shared
 
 
@@ -159,9 +161,15 @@ ALL_MOTIONS = {"reactions": lambda leaf, name: True}
 RULES = (
     Rule(("name",), "says where results go"),
     Rule(
-        ("workers.*.height_m", "workers.*.mass_kg", "workers.*.sex", "workers.*.natural_posture_deg.*"),
+        ("workers.*.human", "workers.*.height_m", "workers.*.mass_kg", "workers.*.sex",
+         "workers.*.natural_posture_deg.*"),
         "the worker's body and stance: every motion of this worker, and what follows from its torques only",
         reactions=lambda leaf, name: name[0] == leaf.path[1],
+    ),
+    Rule(
+        ("human",),
+        "the human of the workers that name none",
+        reactions=lambda leaf, name: "human" not in EXPERIMENT["workers"][name[0]],
     ),
     Rule(
         ("workers.*.strength",),

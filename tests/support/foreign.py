@@ -6,7 +6,7 @@ import os
 import struct
 import zlib
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -16,13 +16,18 @@ from hypothesis import strategies as st
 from mutations import damaged
 
 from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.motion.plausibility import Plausibility
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.reactions.hdf5_layout import ARRAYS, entry_bytes, with_checksum
 from fatigue_planner.reactions.key import ReactionKey
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, file_name
 
 TICKS = 6
-NOT_NUMBERS = {"not_finite": 0, "eased_ticks": 0, "largest_load_joint": "lumbar_flexion", "saturated_joint": ""}
+SEEN = Plausibility(**{field.name: "" if field.type is str else 0.125 for field in fields(Plausibility)})
+NOT_NUMBERS = {
+    "not_finite": 0, "eased_ticks": 0, "largest_load_joint": "lumbar_flexion", "saturated_joint": "",
+    "plausibility": SEEN, "tested_causes": "",
+}  # fmt: skip
 
 
 @cache

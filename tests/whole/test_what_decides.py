@@ -225,7 +225,10 @@ TOO_MUCH = {
     *(f"human/{path.relative_to(PACKAGE / 'human')}" for path in (PACKAGE / "human/data/strengths").glob("*.yaml")),
 }  # fmt: skip
 # What the code reads besides modules.
-BODY_DATA = {f"human/data/{name}.yaml" for name in ("segments", "geometry", "ranges_of_motion")}
+BODY_DATA = {
+    f"human/data/{name}.yaml"
+    for name in ("capsules", "segments", "geometry/natural", "geometry/paper", "ranges_of_motion")
+}
 
 
 def imported(path: Path) -> set[str]:

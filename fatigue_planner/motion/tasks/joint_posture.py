@@ -6,7 +6,8 @@ import numpy as np
 from pydantic import Field
 
 from fatigue_planner.human.joint_data import degrees_of_freedom, posture
-from fatigue_planner.human.model import BASE_DOF, Human
+from fatigue_planner.human.model import Human
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Stiffnesses
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector

@@ -11,32 +11,38 @@ from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.settings import Segment, Stiffnesses
 from fatigue_planner.motion.tasks.task import Matrix, PreferenceTask, Task, Vector
 
+UP = np.array([0.0, 0.0, 1.0])
+
 
 class SegmentUprightTask(Task):
-    """Keep a segment's long axis (its z axis) vertical; the rotation about it is free.
+    """Keep a segment's long axis (its z axis) in a direction (3,) of the world; the rotation about it is free.
 
-    The error is the rotation vector from the axis e to the vertical, e x up. All three world
+    The error is the rotation vector from the axis e to the direction d, e x d. All three world
     components are written; the angular acceleration about e is taken out of the rows.
     """
 
-    def __init__(self, weight: float, stiffness: float, frame: int) -> None:
+    def __init__(self, weight: float, stiffness: float, frame: int, direction: Vector) -> None:
         super().__init__(3, weight, stiffness)
-        self.frame = frame
+        self.frame, self.direction = frame, direction
 
     def evaluate(self, state: BodyState, jacobian: Matrix, target: Vector) -> None:
         """See Task.evaluate."""
         axis = state.placement(self.frame).rotation[:, 2]
         whole, drift = state.jacobian(self.frame), state.drift(self.frame)
-        _write_rows(axis, whole, state.velocity, drift, self.stiffness, self.damping, jacobian, target)
+        _write_rows(axis, self.direction, whole, state.velocity, drift, self.stiffness, self.damping, jacobian, target)
 
 
 @compiled
 def _write_rows(
-    axis: Vector, whole: Matrix, velocity: Vector, drift: Vector, stiffness: float, damping: float,
+    axis: Vector, wanted: Vector, whole: Matrix, velocity: Vector, drift: Vector, stiffness: float, damping: float,
     jacobian: Matrix, target: Vector,
 ) -> None:  # fmt: skip
     """Write the rows of the task from the segment's axis (3,), Jacobian (6, 45) and drift (6,)."""
-    error = np.array([axis[1], -axis[0], 0.0])  # axis x up
+    error = np.array([
+        axis[1] * wanted[2] - axis[2] * wanted[1],
+        axis[2] * wanted[0] - axis[0] * wanted[2],
+        axis[0] * wanted[1] - axis[1] * wanted[0],
+    ])  # fmt: skip
     missing = stiffness * error - damping * (whole @ velocity)[3:] - drift[3:]
     along = axis[0] * missing[0] + axis[1] * missing[1] + axis[2] * missing[2]
     target[:] = missing - axis * along
@@ -54,4 +60,4 @@ class SegmentUpright(PreferenceTask):
 
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
         """See PreferenceTask.build."""
-        return SegmentUprightTask(self.weight, stiffness.segment, state.frame(self.segment))
+        return SegmentUprightTask(self.weight, stiffness.segment, state.frame(self.segment), UP)

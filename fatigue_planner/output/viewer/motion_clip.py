@@ -53,7 +53,7 @@ class MotionClip:
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
     have a goal; `maximum_torque_nm` (78,) the strengths of `ENTRIES`; `objects` the poses at which the robot
-    presents the object, one per hand and waypoint.
+    presents the object, one per hand and waypoint; `remarks` what there is to say of the motion, as `simulate` does.
     """
 
     title: str
@@ -64,6 +64,7 @@ class MotionClip:
     motion: Motion
     maximum_torque_nm: Vector
     objects: tuple[Pose, ...]
+    remarks: tuple[str, ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -122,6 +123,7 @@ def motion_clip_of(request: ReactionRequest, reaction: Reaction) -> MotionClip:
         motion=motion,
         maximum_torque_nm=np.concatenate(settings.maximum_torque.vectors()),
         objects=tuple(waypoint.pose(home) for goal in goals.values() for waypoint in goal.path()),
+        remarks=tuple(reaction.quality.remarks()),
     )
 
 

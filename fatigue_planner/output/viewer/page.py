@@ -4,6 +4,7 @@ import contextlib
 import io
 from collections.abc import Iterator, Sequence
 from functools import cache
+from html import escape
 
 import numpy as np
 import pinocchio as pin
@@ -31,6 +32,7 @@ COLOUR_STEPS = 24  # of the joints, from 0 to FULL_SHARE
 FULL_SHARE = 0.6
 _POSITION_STEP, _TURN_STEP = 2.0**-12, 2.0**-13  # what is not seen is not stored: 0.24 mm, 0.01 degrees
 FRAMES_PER_S = 25
+MARK = " (!)"  # after the title of a motion of which there is something to say
 
 _STYLE = (
     "position:fixed;top:14px;right:14px;z-index:1;pointer-events:none;padding:10px 14px;border-radius:6px;"
@@ -52,7 +54,7 @@ def page(clips: Sequence[MotionClip]) -> str:
                 recording.insert_sleep(1 / FRAMES_PER_S)
         html = recording.as_html()
     head, end, tail = html.rpartition("</body>")
-    return head + _legend() + end + tail
+    return head + _legend(clips) + end + tail
 
 
 @contextlib.contextmanager
@@ -138,7 +140,7 @@ class Scene:
             node.visible = bool((arrow[0] != arrow[1]).any())
         self._soles.points = sole_outlines(clip.human, instant)
         time = tick * clip.motion.time_step_s
-        self._label.text = f"{clip.title}: {clip.phase(tick)}, {time:.1f} s"
+        self._label.text = f"{clip.title}: {clip.phase(tick)}, {time:.1f} s{MARK if clip.remarks else ''}"
 
     def _add_person(self, name: str, worker: Anthropometry) -> list[viser.MeshHandle]:
         """A mesh for each of `BODIES`."""
@@ -192,7 +194,18 @@ def _quaternion(rotation: Vector) -> Vector:
     return np.asarray(np.round(np.array([w, x, y, z]) * (1 if w >= 0 else -1) / _TURN_STEP) * _TURN_STEP)
 
 
-def _legend() -> str:
+def _remarks(clips: Sequence[MotionClip]) -> str:
+    """What there is to say of the motions (HTML), where there is anything."""
+    listed = [
+        f"<div><b>{escape(clip.title)}</b>: {escape('; '.join(clip.remarks))}</div>" for clip in clips if clip.remarks
+    ]
+    if not listed:
+        return ""
+    style = _STYLE.replace("right:14px", "left:14px") + ";max-height:38vh;overflow:auto;pointer-events:auto;top:60px"
+    return f'<details id="remarks" style="{style}"><summary>not as a person moves</summary>{"".join(listed)}</details>'
+
+
+def _legend(clips: Sequence[MotionClip]) -> str:
     """What the colours mean, in a box (HTML) that does not catch the mouse."""
     stops = [load_colour(FULL_SHARE * step / COLOUR_STEPS) for step in range(COLOUR_STEPS + 1)]
     bar = f"height:12px;margin-top:3px;background:linear-gradient(to right,{','.join(_css(stop) for stop in stops)})"
@@ -209,7 +222,7 @@ def _legend() -> str:
         f'<div id="legend" style="{_STYLE}"><div>spheres: largest torque at the joint, share of strength</div>'
         f'<div style="{bar}"></div><div style="display:flex;justify-content:space-between">{scale}</div>{signs}'
         "<div>space: play or pause; drag: orbit; wheel: zoom</div></div>"
-    )
+    ) + _remarks(clips)
 
 
 def _css(colour: Colour) -> str:

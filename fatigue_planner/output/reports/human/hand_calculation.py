@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from math import radians, sin
 
 from fatigue_planner.human.anthropometry import Anthropometry, segment_table
-from fatigue_planner.human.model import GRAVITY_MPS2
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 
 ARM = ("upper_arm", "forearm", "hand")
 

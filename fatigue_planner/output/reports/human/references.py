@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from fatigue_planner.core.settings import Settings, load_data
 from fatigue_planner.human.anthropometry import Sex
-from fatigue_planner.human.model import GRAVITY_MPS2, Worker
+from fatigue_planner.human.model import Worker
+from fatigue_planner.human.multibody import GRAVITY_MPS2
 
 FILE = Path(__file__).parent / "data" / "references.yaml"
 

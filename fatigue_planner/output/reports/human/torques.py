@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.text import fixed, signed_percent
 from fatigue_planner.human.joint_data import posture
-from fatigue_planner.human.model import BASE_DOF, Human, Worker, build_human, joint_index, stand
+from fatigue_planner.human.model import Human, Worker, build_human, joint_index
+from fatigue_planner.human.multibody import BASE_DOF, stand
 from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.motion.schedule import runs_of, tool_hand
 from fatigue_planner.motion.settings import Side

@@ -24,6 +24,7 @@ from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.results.sections.postures import arm_hold, plausibility_blocks
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.statistics.pairing import records
 
@@ -35,6 +36,7 @@ JOINT_OF = {joint.child: joint.name for joint in JOINTS}
 def reactions_section(report_data: ReportData, figures: FigureFolder) -> Section:
     """Pictures of the reactions; for a few of them also their torques and cycle maps as tables."""
     blocks: list[Block] = [Text(sentence) for sentence in report_data.omissions]
+    blocks += plausibility_blocks(report_data.reactions, {r.name: arm_hold(r) for r in report_data.reactions})
     blocks += draw_reactions(
         figures, report_data.experiment, report_data.reactions, report_data.fatigue, report_data.profiles
     )

@@ -1,0 +1,103 @@
+"""What an observer would say of the postures: motions no person would make, and upper arms held above 60 degrees."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fatigue_planner.core.text import counted, format_label, listing, percent
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.motion.posture_measures import upper_arm_elevation
+from fatigue_planner.output.reports.html.blocks import Block, Table, Text
+from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
+
+# ISO 11226:2000: an upper arm above 60 degrees is not acceptable; at 60 it may be held for a minute. A posture is held,
+# and not passed, if it lasts for more than 4 s.
+RAISED_DEG, ACCEPTED_S, HELD_S = 60.0, 60, 4.0
+FEW = 12  # reactions that are listed one by one
+
+
+class ArmHold(NamedTuple):
+    """The longest time for which an upper arm is above 60 degrees without a break, and how high it comes."""
+
+    longest_s: float
+    highest_deg: float
+
+    @property
+    def overhead(self) -> bool:
+        """Whether the arm is held there."""
+        return self.longest_s > HELD_S
+
+
+def arm_hold(reaction: Reaction) -> ArmHold:
+    """The hold of a reaction: the arm that is held longest, the one that comes highest."""
+    motion, person = reaction.motion, reaction.key.motion_request().worker.anthropometry()
+    poses = poses_of(tree_of(person), motion.configuration)
+    holds = []
+    for side in SIDES:
+        elevation = upper_arm_elevation(poses, side)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], elevation > RAISED_DEG, [False]])))
+        lengths = edges[1::2] - edges[::2]
+        holds.append((float(lengths.max(initial=0)) * motion.time_step_s, float(elevation.max())))
+    return ArmHold(max(longest for longest, _ in holds), max(highest for _, highest in holds))
+
+
+def overhead_sentences(report_data: ReportData, holds: Mapping[ReactionName, ArmHold]) -> list[str]:
+    """For every condition each policy's share of cycles with a raised arm, and the limit; none if no arm is held."""
+    sentences = []
+    for condition, settings in report_data.experiment.benchmark.conditions.items():
+        worker = report_data.experiment.worker_of(settings)
+        own = {name[1:]: hold for name, hold in holds.items() if name.worker == worker}
+        held = {name: hold for name, hold in own.items() if hold.overhead}
+        if not held:
+            continue
+        shares = []
+        for policy in report_data.policies:
+            runs = report_data.courses.get((condition, report_data.longest, policy), ())
+            taken = [reaction in held for run in runs for reaction in run.reactions]
+            if taken:
+                shares.append(f"{percent(float(np.mean(taken)), 0)} (`{policy}`)")
+        worst = max(held, key=lambda name: held[name].longest_s)
+        sentences.append(
+            f"{format_label(condition).capitalize()}, {report_data.longest} cycles: an upper arm is held above "
+            f"{RAISED_DEG:g}° in {listing(shares)} of the cycles. The longest hold is {held[worst].longest_s:.1f} s "
+            f"({'/'.join(worst)}, up to {held[worst].highest_deg:.0f}°); ISO 11226 accepts none above {RAISED_DEG:g}°, "
+            f"and at {RAISED_DEG:g}° at most {ACCEPTED_S} s."
+        )
+    return sentences
+
+
+def plausibility_blocks(reactions: Sequence[Reaction], holds: Mapping[ReactionName, ArmHold]) -> list[Block]:
+    """The verdicts: which motions no person would make, what is wrong with them, and the raised arms."""
+    odd = [reaction for reaction in reactions if reaction.quality.plausibility.findings()]
+    verdict = f"{counted(len(reactions) - len(odd), 'motion')} of {len(reactions)} could be a person's"
+    if not odd:
+        words = (
+            f"{verdict}: postures, gaze, free arms, ends of range, torque steps and clearances are within their bars."
+        )
+        return [Text(words), *_hold_table(reactions, holds)]
+    rows = [
+        [str(reaction.name), "; ".join(finding.text for finding in reaction.quality.plausibility.findings())]
+        for reaction in odd[:FEW]
+    ]
+    words = (
+        f"{verdict}; the others are possible, but implausible: they are used all the same, and what follows from them "
+        f"is to be read with care.{f' The first {FEW} of them:' if len(odd) > FEW else ''}"
+    )
+    table = Table("What no person would do, and the bar.", ["reaction", "what"], rows)
+    return [Text(words), table, *_hold_table(reactions, holds)]
+
+
+def _hold_table(reactions: Sequence[Reaction], holds: Mapping[ReactionName, ArmHold]) -> list[Block]:
+    rows = [
+        [str(reaction.name), f"{hold.highest_deg:.0f}", f"{hold.longest_s:.1f}"]
+        for reaction in reactions
+        if (hold := holds[reaction.name]).overhead
+    ]
+    if not rows:
+        return []
+    header = ["reaction", "highest upper arm, °", f"longest hold above {RAISED_DEG:g}°, s"]
+    caption = f"Upper arms held above {RAISED_DEG:g}° for more than {HELD_S:g} s; ISO 11226 accepts none."
+    return [Table(caption, header, rows[:FEW])]

@@ -1,0 +1,97 @@
+"""The natural human beside the bars of plausible motion, and his speed beside the paper's human.
+
+    python perf/natural.py [experiment.yaml ...]
+
+The worst of every measure over all reactions of the experiments, by default of those that ship, with the paper's
+task as the natural human does it; then ticks per second of both humans, on the paper's reactions, interleaved.
+"""
+
+import os
+import sys
+import time
+from dataclasses import asdict
+from pathlib import Path
+
+# One thread of linear algebra, as in `fatplan simulate`.
+os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
+
+from fatigue_planner.core.errors import FailedMotionError
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.loader import load_experiment, parse_experiment, read_content
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.motion.plausibility import BARS, measure_plausibility
+from fatigue_planner.motion.simulator import simulate
+from fatigue_planner.motion.verification import measure
+
+EXPERIMENTS = Path(__file__).parents[1] / "experiments"
+SHIPPED = ("paper", "pose_grid", "co_transport", "workers")
+ROUNDS = 5
+
+
+def natural(file: Path) -> Experiment:
+    """The experiment of a file with the natural human in his own stance."""
+    content = read_content(file)
+    for worker in content.get("workers", {}).values():
+        for key in ("human", "natural_posture_deg"):
+            worker.pop(key, None)
+    return parse_experiment(content | {"human": "natural"}, str(file))
+
+
+def table(experiments: list[Experiment]) -> None:
+    """Print the worst value of every measure, where it is, and its bar; and what cannot be used."""
+    worst: dict[str, tuple[float, str]] = {}
+    count, beyond, leans = 0, [], {}
+    for experiment in experiments:
+        for request in reaction_requests(experiment):
+            name, count = f"{experiment.name}/{request.name}", count + 1
+            try:
+                motion = simulate(request.motion)
+            except FailedMotionError as error:
+                beyond.append(f"{name}: {error}")
+                continue
+            seen, quality = measure_plausibility(request.motion, motion), measure(request.motion, motion)
+            leans[name] = seen.lean_deg
+            values = {key: value for key, value in asdict(seen).items() if isinstance(value, float)}
+            values |= {"hand_error_m": quality.work_hand_error_m, "eased_ticks": quality.eased_ticks}
+            values |= {"equation_of_motion_nm": quality.equation_of_motion_nm, "energy": quality.energy_error_share}
+            values["tissue_violation_nm"] = quality.tissue_violation_nm
+            for key, value in values.items():
+                worst[key] = max(worst.get(key, (-1.0, "")), (value, name))
+            texts = [finding.text for finding in seen.findings()] + quality.faults(experiment.accuracy)
+            beyond += [f"{name}: {text}" for text in texts]
+    print(f"{count} reactions; the worst of every measure:")
+    for key, (value, name) in worst.items():
+        bar = f"{BARS[key].most:g}" if key in BARS else "-"
+        print(f"  {key:<24} {value:10.3g}  bar {bar:>6}  {name}")
+    for name, lean in leans.items():
+        if name.endswith(("low/arm", "low/back")):
+            print(f"  lean of {name}: {lean:.1f} deg")
+    print(f"{len(beyond)} beyond a bar:", *beyond, sep="\n  ")
+
+
+def speed() -> None:
+    """Print the ticks per second of both humans, each reaction's fastest of several rounds in turn."""
+    requests = {
+        human: [request.motion for request in reaction_requests(experiment)]
+        for human, experiment in (
+            ("paper", load_experiment(EXPERIMENTS / "paper.yaml")), ("natural", natural(EXPERIMENTS / "paper.yaml")),
+        )
+    }  # fmt: skip
+    fastest: dict[tuple[str, int], float] = {}
+    ticks = 0
+    for _ in range(ROUNDS + 1):  # the first compiles
+        ticks = 0
+        for index in range(len(requests["paper"])):
+            for human, own in requests.items():
+                begin = time.process_time()
+                ticks += len(simulate(own[index]).torque_nm)
+                spent = time.process_time() - begin
+                fastest[human, index] = min(spent, fastest.get((human, index), spent))
+    rates = {human: ticks / 2 / sum(s for (of, _), s in fastest.items() if of == human) for human in requests}
+    print({human: f"{rate:.0f} ticks/s" for human, rate in rates.items()}, f"{rates['natural'] / rates['paper']:.2f} x")
+
+
+if __name__ == "__main__":
+    files = [Path(name) for name in sys.argv[1:]] or [EXPERIMENTS / f"{name}.yaml" for name in SHIPPED]
+    table([natural(file) for file in files])
+    speed()
