@@ -96,9 +96,13 @@ def report(
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""
     from fatigue_planner.core.files import publish_text
-    from fatigue_planner.experiment.build import load_reactions
+    from fatigue_planner.experiment.build import load_reactions, worker_fatigue
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.human.model import build_human
+    from fatigue_planner.output.figures.postures import posture_figure
+    from fatigue_planner.output.figures.style import publish_png
     from fatigue_planner.output.reports.human.page import human_page
+    from fatigue_planner.output.reports.human.predictions import predictions
 
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
@@ -106,7 +110,12 @@ def report(
     reactions = load_reactions(settings, cache, options.command_line("simulate", experiment, cache))
     own = [reaction for reaction in reactions if reaction.name.worker == name]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
-    page = human_page(settings.workers[name], settings.fatigue, own, command)
+    person, picture = settings.workers[name], ""
+    if own:
+        figure, _ = posture_figure(build_human(person), own, worker_fatigue(settings)[name])
+        publish_png(output.with_suffix(".png"), figure)
+        picture = output.with_suffix(".png").name
+    page = human_page(person, settings.fatigue, own, command, predictions(person), picture)
     publish_text(output, page)
     outside = page.count("**OUTSIDE**")
     document = {"file": output, "worker": name, "outside": outside}

@@ -79,6 +79,7 @@ class Bar(NamedTuple):
     factor: float = 1.0
     digits: int = 0
     named_by: str = ""
+    reason: str = ""
 
     def describe(self, value: float, name: str) -> str:
         """What is seen, how much of it, and how much is allowed."""
@@ -91,22 +92,44 @@ class Bar(NamedTuple):
 
 # The bars: what people do in one-handed reaching, with a margin (docs/human.md gives their sources).
 BARS = {
-    "trunk_twist_deg": Bar(15, "trunk twisted by"),
-    "side_bend_deg": Bar(15, "trunk bent sideways by"),
-    "gaze_deg": Bar(30, "face turned away from the work by"),
-    "head_roll_deg": Bar(15, "head tilted sideways by"),
-    "free_arm_deg": Bar(20, "free upper arm away from the vertical by"),
-    "shoulder_turn_deg": Bar(0, "shoulder the wrong way round: upper arm turned beyond its range by"),
-    "penetration_m": Bar(0.005, "{name} in each other by", "mm", 1000, named_by="penetration_parts"),
-    "pushing_s": Bar(0, "muscles push {name} into its end of range for", "s", digits=2, named_by="pushing_joint"),
-    "torque_step_nm": Bar(10, "torque step within 40 ms at {name} of", "N.m", digits=1, named_by="torque_step_joint"),
-    "end_pose_deg": Bar(1, "ends away from the stance, {name} by", digits=1, named_by="end_pose_joint"),
-    "end_speed_degps": Bar(1, "ends while moving with", "°/s", digits=1),
-    # no joint should tire from standing: the paper's threshold of 10 % less 2
-    "stance_load_share": Bar(
-        0.08, "{name} loaded in the stance with", "% of its strength", 100, 1, "stance_load_joint"
+    "trunk_twist_deg": Bar(
+        15, "trunk twisted by",
+        reason="half of what a standing person can turn the trunk, 32.6° (Montgomery 2011)",
     ),
-}
+    "side_bend_deg": Bar(15, "trunk bent sideways by", reason="assumed; in EN 1005-4 10° is clearly visible"),
+    "gaze_deg": Bar(
+        30, "face turned away from the work by", reason="assumed: the eyes take 20° down and 10° up, the head the rest"
+    ),
+    "head_roll_deg": Bar(15, "head tilted sideways by", reason="assumed: people keep the head level"),
+    "free_arm_deg": Bar(
+        20, "free upper arm away from the vertical by", reason="assumed: it hangs; ISO 11226 accepts up to 20°"
+    ),
+    "shoulder_turn_deg": Bar(
+        0, "shoulder the wrong way round: upper arm turned beyond its range by",
+        reason="the shoulder's range of rotation",
+    ),
+    "penetration_m": Bar(
+        0.005, "{name} in each other by", "mm", 1000, named_by="penetration_parts",
+        reason="what soft tissue gives way by, assumed; capsules of measured girths",
+    ),
+    "pushing_s": Bar(
+        0, "muscles push {name} into its end of range for", "s", digits=2, named_by="pushing_joint",
+        reason="nobody works against the end of a joint: within 1° of it, by more than 1 N·m and 2 % of the strength",
+    ),
+    "torque_step_nm": Bar(
+        10, "torque step within 40 ms at {name} of", "N.m", digits=1, named_by="torque_step_joint",
+        reason="assumed: muscle torque rises smoothly; only in phases of 3 s and more",
+    ),
+    "end_pose_deg": Bar(
+        1, "ends away from the stance, {name} by", digits=1, named_by="end_pose_joint",
+        reason="the next cycle begins in the stance",
+    ),
+    "end_speed_degps": Bar(1, "ends while moving with", "°/s", digits=1, reason="the next cycle begins at rest"),
+    "stance_load_share": Bar(
+        0.08, "{name} loaded in the stance with", "% of its strength", 100, 1, "stance_load_joint",
+        reason="no joint should tire from standing: the paper's threshold of 10 %, less 2",
+    ),
+}  # fmt: skip
 
 
 class Finding(NamedTuple):

@@ -35,7 +35,7 @@ def test_a_load_that_is_too_heavy(brisk: MotionRequest) -> None:
 
 
 def test_a_place_that_is_too_far(brisk: MotionRequest) -> None:
-    """Half of the way is in reach; a load is not tried, as there is none, an orientation only where it is asked for."""
+    """Half of the way is in reach; a load is not tried, as there is none, an orientation where one is asked for."""
     causes = causes_of(replace(brisk, action=goal_at(1.2, -0.25, 1.2)))
     assert f"it works half-way to the hanging hand: {REMEDIES['place']}" in causes and "it fails at half" in causes
     assert "load" not in causes and "orientation" not in causes

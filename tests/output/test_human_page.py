@@ -3,6 +3,7 @@
 import copy
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,10 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import Worker, build_human
+from fatigue_planner.motion.plausibility import BARS
 from fatigue_planner.output.reports.human.hand_calculation import standing_masses, static_moments_nm
 from fatigue_planner.output.reports.human.page import human_page, markdown_table, noteworthy
+from fatigue_planner.output.reports.human.predictions import predictions
 from fatigue_planner.output.reports.human.references import references
 from fatigue_planner.output.reports.human.tables import (
     SourcedTable,
@@ -23,6 +26,7 @@ from fatigue_planner.output.reports.human.tables import (
     endurance_time_s,
     largest_deviation,
     masses,
+    plausibility,
     standing_straight,
     strengths,
 )
@@ -34,9 +38,14 @@ PAGE = Path(__file__).parents[2] / "docs" / "human.md"
 NUMBER = re.compile(r"[+−]?\d+(?:\.\d+)?")
 
 
+@cache
+def predicted() -> SourcedTable:
+    return predictions(Worker.model_validate({"height_m": 1.75, "mass_kg": 75, "sex": "male"}))
+
+
 def page(paper: Experiment, reactions: tuple[Reaction, ...]) -> str:
     command = "fatplan human report experiments/paper.yaml"
-    return human_page(paper.workers["average_man"], paper.fatigue, reactions, command)
+    return human_page(paper.workers["average_man"], paper.fatigue, reactions, command, predicted(), "human.png")
 
 
 def woman(paper: Experiment) -> Worker:
@@ -56,9 +65,10 @@ def test_the_committed_page_is_what_the_command_writes(paper: Experiment, reacti
 
 def test_every_table_names_its_sources_with_their_marks(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     sections = page(paper, reactions).split("\n## ")[2:]
-    for section in sections:
+    own = ("Strength sets", "Would a person", "Predictions", "Breadths")  # name their sources in their cells
+    for section in (section for section in sections if not section.startswith("In ten lines")):
         assert "| --- |" in section or "---:" in section
-        if not section.startswith("Strength sets"):  # each file of a set names its own
+        if not section.startswith(own):
             assert re.search(r"\n- \*\*\w+\*\* \[[RCM]\] ", section), section[:40]
 
 
@@ -180,9 +190,31 @@ def test_a_strong_deviation_is_said_in_words(paper: Experiment) -> None:
 
 
 def test_a_page_of_another_body_says_what_it_is_not(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    text = human_page(woman(paper), paper.fatigue, [with_tool(reaction, mass_kg=0) for reaction in reactions], "x")
+    text = human_page(
+        woman(paper), paper.fatigue, [with_tool(reaction, mass_kg=0) for reaction in reactions], "x", predicted()
+    )
     assert "a guide only" in text and "No reaction is at one of the paper's targets" in text
     assert "a guide only" not in page(paper, reactions)
+
+
+def test_predictions_are_of_people_and_say_whether_they_are_met() -> None:
+    """Computed by simulation of the natural human: each names who found it, and no bar follows the model."""
+    rows = predicted().rows
+    assert len(rows) == len(predicted().inside) == 6
+    assert all(re.search(r"(19|20)\d\d", row[1]) or "Kingma" in row[1] for row in rows)
+    assert [row[-1] == "yes" for row in rows] == list(predicted().inside.values())
+    kingma = [float(re.search(r"([\d.]+) times", row[2]).group(1)) for row in rows[:2]]  # type: ignore[union-attr]
+    assert [abs(share - people) <= 0.09 for share, people in zip(kingma, (1.2, 1.0), strict=True)] == [
+        row[-1] == "yes" for row in rows[:2]
+    ]
+
+
+def test_the_worst_of_the_reactions_is_beside_each_bar(reactions: tuple[Reaction, ...]) -> None:
+    table = plausibility(reactions)
+    assert len(table.rows) == len(BARS)
+    (gaze,) = (row for row in table.rows if row[0].startswith("face turned"))
+    worst = max(reactions, key=lambda reaction: reaction.quality.plausibility.gaze_deg)
+    assert gaze[2:4] == [f"{worst.quality.plausibility.gaze_deg:.1f}", str(worst.name)]
 
 
 def test_numbers_and_tables() -> None:

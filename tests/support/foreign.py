@@ -26,7 +26,7 @@ TICKS = 6
 SEEN = Plausibility(**{field.name: "" if field.type is str else 0.125 for field in fields(Plausibility)})
 NOT_NUMBERS = {
     "not_finite": 0, "eased_ticks": 0, "largest_load_joint": "lumbar_flexion", "saturated_joint": "",
-    "plausibility": SEEN,
+    "plausibility": SEEN, "tested_causes": "",
 }  # fmt: skip
 
 

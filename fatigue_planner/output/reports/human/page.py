@@ -19,8 +19,18 @@ TOLERANCE = 0.10  # from the general curve of endurance
 NUMERIC = "0123456789+−–"  # what the cells of a column of numbers begin with
 
 
-def human_page(worker: Worker, fatigue: FatigueSettings, reactions: Sequence[Reaction], command: str) -> str:
-    """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it."""
+def human_page(
+    worker: Worker,
+    fatigue: FatigueSettings,
+    reactions: Sequence[Reaction],
+    command: str,
+    predicted: SourcedTable,
+    picture: str = "",
+) -> str:
+    """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it.
+
+    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page, if there is one.
+    """
     human = build_human(worker)
     postures, from_hand = torques.postures(worker, human)
     endurance = tables.endurance(fatigue.fatigue_rate_per_s)
@@ -32,6 +42,8 @@ def human_page(worker: Worker, fatigue: FatigueSettings, reactions: Sequence[Rea
         table=markdown_table,
         noteworthy=noteworthy,
         outside=outside,
+        farthest=farthest,
+        met=met,
         cite=cite,
         fixed=fixed,
         command=command,
@@ -41,7 +53,12 @@ def human_page(worker: Worker, fatigue: FatigueSettings, reactions: Sequence[Rea
         mass_kg=human.mass_kg,
         masses=tables.masses(worker, human),
         heights=tables.heights(worker, human),
+        breadths=tables.breadths(human),
         centre_of_mass=tables.centre_of_mass(worker, human),
+        plausibility=tables.plausibility(reactions),
+        implausible=sum(bool(reaction.quality.plausibility.findings()) for reaction in reactions),
+        predicted=predicted,
+        picture=picture,
         ranges=tables.ranges(),
         postures=postures,
         from_hand=from_hand,
@@ -68,6 +85,19 @@ def noteworthy(what: str, deviations: Mapping[str, float]) -> str:
     if not large:
         return f"Nothing deviates by more than {fixed(100 * NOTEWORTHY, 0)} % from {what}."
     return f"More than {fixed(100 * NOTEWORTHY, 0)} % from {what}: {', '.join(large)}."
+
+
+def farthest(deviations: Mapping[str, float]) -> str:
+    """The largest deviation, with its name."""
+    if not deviations:
+        return "nothing to compare"
+    name = max(deviations, key=lambda label: abs(deviations[label]))
+    return f"{name} ({signed_percent(deviations[name])})"
+
+
+def met(inside: Mapping[str, bool]) -> str:
+    """`3 of 5`."""
+    return f"{sum(inside.values())} of {len(inside)}"
 
 
 def outside(what: str, inside: Mapping[str, bool]) -> str:

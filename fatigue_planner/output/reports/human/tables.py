@@ -13,8 +13,10 @@ from fatigue_planner.human.joint_data import ranges_of_motion
 from fatigue_planner.human.model import Human, Worker
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.human.strength_sets import load_strengths, shipped_sets
+from fatigue_planner.motion.plausibility import BARS
 from fatigue_planner.output.reports.human.hand_calculation import standing_masses
 from fatigue_planner.output.reports.human.references import Endurance, Interval, references
+from fatigue_planner.reactions.reaction import Reaction
 
 NONE = "–"  # the cell of a number that no source gives
 
@@ -30,6 +32,11 @@ SET_ENTRIES = {
     "hip extension": "hip_flexion:negative",
     "knee extension": "knee_flexion:negative",
     "plantar flexion": "ankle_flexion:negative",
+}
+# Biacromial breadth and span of ANSUR II in % of stature; of the eight subjects the range of shares of stature.
+MEASURED_BREADTHS = {
+    "between the shoulder joints": ("23.7 | 22.4 (between the acromia)", (35.4 / 168, 44 / 178)),
+    "arm span": ("103.3 | 101.9", (163 / 168, 197 / 182)),
 }
 ENDURANCE_LOADS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
 # Where the model has to follow the general curve of endurance.
@@ -239,4 +246,33 @@ def endurance(fatigue_rate_per_s: float) -> SourcedTable:
         cells = [f"{fixed(time, 0)} ({signed_percent(model / time - 1)})" for time in times]
         table.rows.append([fixed(load), fixed(model, 0), *cells])
     table.deviations.update({name: largest_deviation(curve, fatigue_rate_per_s) for name, curve in curves.items()})
+    return table
+
+
+def plausibility(reactions: Sequence[Reaction]) -> SourcedTable:
+    """The bars of a plausible motion, their reasons, and the worst of the reactions at each."""
+    table = SourcedTable(["what is seen of a motion", "bar", "worst", "reaction", "why this bar"])
+    for name, bar in BARS.items():
+        worst = max(reactions, key=lambda reaction: float(getattr(reaction.quality.plausibility, name)), default=None)
+        value = 0.0 if worst is None else getattr(worst.quality.plausibility, name) * bar.factor
+        label = bar.text.format(name="a joint" if "joint" in bar.named_by else "two parts of the body")
+        whose = str(worst.name) if worst is not None and value > 0 else NONE
+        cells = [f"{bar.most * bar.factor:g} {bar.unit}", fixed(value, 1), whose]
+        table.rows.append([label, *cells, bar.reason])
+        table.inside[label] = value <= bar.most * bar.factor
+    return table
+
+
+def breadths(human: Human) -> SourcedTable:
+    """Breadth of the shoulders and arm span beside those of measured people, as shares of stature."""
+    person = human.anthropometry
+    arm = sum(person.length(name) for name in ("upper_arm_length", "forearm_length", "hand_length"))
+    shoulders = 2 * person.length("shoulder_half_width")
+    table = SourcedTable(["breadth", "model, % of stature", "ANSUR II, men | women", "subjects", "verdict"])
+    for name, value in (("between the shoulder joints", shoulders), ("arm span", shoulders + 2 * arm)):
+        survey, measured = MEASURED_BREADTHS[name]
+        share = value / person.stature_m
+        bounds = (100 * measured[0], 100 * measured[1])
+        table.rows.append([name, fixed(100 * share), survey, interval(bounds), verdict(100 * share, bounds)])
+        table.inside[name] = measured[0] <= share <= measured[1]
     return table
