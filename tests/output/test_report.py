@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from fatigue_planner.core.text import listing, percent, percent_range, significa
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import ENTRIES, JOINT_GROUPS, highest_fatigue
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
@@ -26,6 +28,7 @@ from fatigue_planner.output.reports.results.compare import compare, compare_page
 from fatigue_planner.output.reports.results.report import SECTIONS, SectionWriter, report, report_section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.fatigue import fatigue_table
+from fatigue_planner.output.reports.results.sections.postures import ArmHold, arm_hold, overhead_sentences
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins
@@ -33,6 +36,7 @@ from fatigue_planner.output.reports.study.finished import study_of
 from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.study.benchmark.results import load_results
 from fatigue_planner.study.benchmark.selection import Selection, selected
+from fatigue_planner.study.benchmark.tables import actions_of
 
 UNCLAIMED = PAPER.with_name("planners.yaml")  # no file of claims lies beside it
 
@@ -258,7 +262,7 @@ def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, 
 
 def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:
     text = compare_text(compare(folder, folder))
-    assert text.count("the same in every run") == 6 and "The settings are the same." in text and "n/a" not in text
+    assert text.count("the same in every run") == 6 and "Settings:\n  They are the same." in text and "n/a" not in text
 
 
 def test_folders_with_nothing_in_common_are_told_apart(
@@ -279,8 +283,9 @@ def test_folders_with_nothing_in_common_are_told_apart(
         )
     assert not (tmp_path / "x.csv").exists()
     probability = small.initial_beliefs["multiple"][0].probability
-    assert f"  initial_beliefs.multiple[0].probability: {probability}, 0.9\n" in text
-    assert "  benchmark.policies.greedy.kind: greedy, –\n" in text
+    told = [line.split() for line in text.splitlines()]
+    assert ["initial_beliefs.multiple[0].probability", str(probability), "0.9"] in told
+    assert ["benchmark.policies.greedy.kind", "greedy", "–"] in told
 
 
 def test_blocks_are_escaped_and_numbered() -> None:
@@ -364,4 +369,32 @@ def test_two_folders_side_by_side(small: Experiment, reactions: tuple[Reaction, 
     assert other.contrasts["first_mean"].iloc[0] == pytest.approx(
         first[first["policy"] == "alternating"]["discounted_return"].mean()
     )
-    assert "discount: 0.95, 0.9" in compare_text(other) and "The versions are the same." in compare_text(other)
+    assert "  discount  0.95  0.9\n" in compare_text(other) and "Versions:\n  They are the same." in compare_text(other)
+
+
+def test_raised_arms_are_timed_and_counted_for_every_policy(
+    small: Experiment, reactions: tuple[Reaction, ...], folder: Path
+) -> None:
+    """Alternating takes the high object in three of five cycles; a hold of 4 s or less is passing by."""
+    first = reactions[0]
+    shoulder = 7 + DEGREES_OF_FREEDOM.index("left_shoulder_flexion")
+    raised = first.motion.configuration.copy()
+    raised[:, shoulder] = 0
+    raised[200:700, shoulder], raised[900:1200, shoulder] = np.radians(95), np.radians(120)
+    hold = arm_hold(replace(first, motion=replace(first.motion, configuration=raised)))
+    assert hold.longest_s == pytest.approx(5, abs=0.02) and 100 < hold.highest_deg < 130 and hold.overhead
+    assert not ArmHold(4.0, 130).overhead
+    holds = {reaction.name: ArmHold(27.3 if reaction.name.action == "high" else 0.0, 97) for reaction in reactions}
+    data = report_data(small, reactions, folder)
+    (sentence, *others) = overhead_sentences(data, holds)
+    assert len(others) == len(small.benchmark.conditions) - 1
+    actions = pd.read_csv(folder / "actions.csv")
+    own = actions[(actions["condition"] == "single_novice") & (actions["policy"] == "greedy")]["actions"]
+    share = np.mean([action == 0 for text in own for action in actions_of(str(text))])
+    assert f"{percent(float(share), 0)} (`greedy`)" in sentence and "(`alternating`)" in sentence
+    assert "The longest hold is 27.3 s (high/" in sentence and "ISO 11226 accepts none above 60°" in sentence
+    assert overhead_sentences(data, {reaction.name: ArmHold(0.0, 20.0) for reaction in reactions}) == []
+
+
+def test_motions_that_no_person_would_make_are_listed(made: tuple[str, FigureFolder]) -> None:
+    assert "0 motions of 4 could be a person" in made[0] and "face turned away from the work by" in made[0]

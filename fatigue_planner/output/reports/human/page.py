@@ -24,12 +24,12 @@ def human_page(
     fatigue: FatigueSettings,
     reactions: Sequence[Reaction],
     command: str,
-    predicted: SourcedTable,
+    predicted: SourcedTable | None = None,
     picture: str = "",
 ) -> str:
     """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it.
 
-    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page, if there is one.
+    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page. Both may be left out.
     """
     human = build_human(worker)
     postures, from_hand = torques.postures(worker, human)
