@@ -227,7 +227,7 @@ TOO_MUCH = {
 # What the code reads besides modules.
 BODY_DATA = {
     f"human/data/{name}.yaml"
-    for name in ("capsules", "segments", "geometry/natural", "geometry/paper", "ranges_of_motion")
+    for name in ("capsules", "segments", "geometry/natural", "geometry/paper", "passive_moments", "ranges_of_motion")
 }
 
 
@@ -269,7 +269,9 @@ def in_reach(*modules: str) -> tuple[set[str], set[str]]:
 
 # What is kept -> the modules that make it, the sources in its key, what of the reach has no part in it.
 MAKERS = {
-    "reactions": (("motion.simulator", "motion.verification"), reaction_key.SOURCES, WITHOUT_A_PART, BODY_DATA),
+    "reactions": (
+        ("motion.simulator", "motion.verification", "motion.causes"), reaction_key.SOURCES, WITHOUT_A_PART, BODY_DATA,
+    ),
     "cells": (("study.benchmark.cell", "planners.registry"), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
         ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES),
