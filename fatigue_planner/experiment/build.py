@@ -9,8 +9,10 @@ from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.benchmark_settings import Condition
 from fatigue_planner.experiment.feasibility import performable_actions
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
-from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
+from fatigue_planner.fatigue.entries import fatigue_state
+from fatigue_planner.fatigue.load import cycle_profile
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.pomdp.beliefs.registry import default_belief
@@ -71,9 +73,7 @@ def cycle_profiles(
     """How one cycle of each of these reactions loads the worker; failed ones have none."""
     parameters = worker_fatigue(experiment)
     return {
-        reaction.name: cycle_profile(
-            reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]
-        )
+        reaction.name: cycle_profile(reaction.motion, parameters[reaction.name.worker])
         for reaction in reactions
         if isinstance(reaction, Reaction)
     }

@@ -8,7 +8,8 @@ import numpy as np
 
 from fatigue_planner.core.errors import DataFileError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
+from fatigue_planner.fatigue.entries import fatigue_state
+from fatigue_planner.fatigue.parameters import fatigue_parameters
 from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import Human, Worker, build_human

@@ -254,7 +254,7 @@ def build_pomdp(
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
     ever = (initial_fatigue != 0).any(axis=0)
     for profile in profiles.values():
-        ever |= (profile.dose_s > 0).any(axis=0)
+        ever |= profile.tires
     observation_reveals_outcome = recognition_matrix is None
     observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
     empty = np.zeros((0, 0))

@@ -12,7 +12,7 @@ from small_problems import choice_probabilities
 from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.planners.bounds import sub_solution
 from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, bound_of, cost_lower_bound
 from fatigue_planner.planners.bounds.history_classes import HistoryClasses
@@ -285,7 +285,7 @@ def situation_of(model: Model, belief: Start) -> Scenario:
     """The package's own model of the same problem."""
     rest = model.entries - model.gain.shape[2]
     zeros, ones = np.zeros((1, model.entries)), np.ones(model.entries)
-    loaded = CycleProfile(np.pad(np.ones((1, 4)), [(0, 0), (0, rest)]), zeros, zeros, ones, ones, ones)
+    loaded = DoseProfile(np.pad(np.ones((1, 4)), [(0, 0), (0, rest)]), zeros, zeros, ones, ones, ones)
     names = "abc"[: len(model.gain)], "xyz"[: model.gain.shape[1]]
     worker = one_worker(model.expertise)
     blank = build_pomdp(*names, dict.fromkeys(product(*names), loaded), zeros, worker, model.discount)

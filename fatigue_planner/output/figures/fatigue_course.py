@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.fatigue.parameters import highest_fatigue
+from fatigue_planner.fatigue.entries import highest_fatigue
 from fatigue_planner.output.figures.style import LINES, house_style, look, new_figure, set_title
 
 Array = NDArray[np.float64]

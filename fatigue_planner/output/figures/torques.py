@@ -7,8 +7,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.fatigue.model import loads
-from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.load import load_share, loads
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.style import COLOURS, house_style, new_figure, set_title
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
@@ -99,7 +100,7 @@ def course_figure(
     across = min(len(reactions), 4)
     figure = new_figure(2.6 * across + 1.6, 2.1 * -(-len(reactions) // across) + 0.4)
     axes = figure.subplots(-(-len(reactions) // across), across, squeeze=False, sharex=True, sharey=True)
-    shares = [loads(r.motion.torque_nm) / parameters[r.name.worker].maximum_torque_nm for r in reactions]
+    shares = [load_share(r.motion, parameters[r.name.worker]) for r in reactions]
     drawn = np.argsort(-np.max([share.mean(axis=0) for share in shares], axis=0))[:MAX_LOADED]
     rows = []
     for panel in axes.flat[len(reactions) :]:

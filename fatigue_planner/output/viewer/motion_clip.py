@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.fatigue.model import loads
-from fatigue_planner.fatigue.parameters import joint_load_fractions
+from fatigue_planner.fatigue.entries import joint_load_fractions
+from fatigue_planner.fatigue.load import loads
 from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH

@@ -8,7 +8,8 @@ from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.fatigue.load import cycle_profile
+from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, digests
@@ -83,9 +84,7 @@ def react(
         for point, experiment, name in needs[request.digest, request.accuracy]:
             if point.name not in reasons:
                 parameters = worker_fatigue(experiment)[name.worker]
-                profiles[point.name][name] = cycle_profile(
-                    reaction.motion.torque_nm, reaction.motion.time_step_s, parameters
-                )
+                profiles[point.name][name] = cycle_profile(reaction.motion, parameters)
     return [_reacted(point, profiles[point.name], reasons.get(point.name, [])) for point in points]
 
 
