@@ -29,6 +29,7 @@ def semantic_errors(experiment: Experiment) -> list[str]:
         itertools.chain(
             _worker_faults(experiment),
             _belief_faults(experiment),
+            _cost_faults(experiment),
             _phase_faults(experiment),
             _tool_faults(experiment),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
@@ -72,6 +73,13 @@ def _belief_faults(experiment: Experiment) -> Iterator[str]:
                 fatigue_state(state.fatigue)
             except DataFileError as error:
                 yield f"initial_beliefs.{name}.{index}.{error}"
+
+
+def _cost_faults(experiment: Experiment) -> Iterator[str]:
+    try:
+        experiment.cost.fatigue_cost()
+    except DataFileError as error:
+        yield str(error)
 
 
 def _phase_faults(experiment: Experiment) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """What one cycle does to fatigue: an exact affine map per entry, for any worker's rates."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,12 @@ class CycleMap:
 
 @dataclass(frozen=True)
 class CycleProfile(ABC):
-    """How a cycle loads each entry under a fatigue law, whatever the worker's rates."""
+    """How a cycle loads each entry under a fatigue law, whatever the worker's rates.
+
+    posture_cost: what the posture of the cycle adds to the cost, in the cost's unit; 0 in the paper.
+    """
+
+    posture_cost: float = field(default=0.0, kw_only=True)
 
     @property
     @abstractmethod
@@ -45,7 +50,7 @@ class CycleProfile(ABC):
 
     def plain(self) -> dict[str, Any]:
         """The profile as JSON values."""
-        return {name: values.tolist() for name, values in vars(self).items()}
+        return {name: np.asarray(values).tolist() for name, values in vars(self).items()}
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def affine_model(gain: np.ndarray, offset: np.ndarray, expertise: float, discoun
     unused = DoseProfile(np.ones((1, active)), nothing, nothing, np.zeros(active), np.zeros(active), np.zeros(active))
     profiles = {(a, u): unused for a in names[0] for u in names[1]}
     blank = build_pomdp(*names, profiles, nothing, one_worker(expertise), discount)
-    scaled = replace(blank, entries=entries, arrays=blank.arrays._replace(cost_scale=1 / entries))
+    scaled = replace(blank, entries=entries)
     return scaled.with_maps(gain[None], offset[None], one_worker(expertise))
 
 

@@ -19,7 +19,7 @@ from fatigue_planner.planners.bounds.history_classes import HistoryClasses
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
 from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
-from fatigue_planner.planners.bounds.task import hidden_state, known_state
+from fatigue_planner.planners.bounds.task import Task, hidden_state
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
@@ -83,6 +83,12 @@ def bound(model: Model, belief: Start, n_cycles: int, **effort: int) -> CostBoun
         model.gain, model.offset, model.expertise, belief.states, belief.weights, model.discount, model.entries,
         n_cycles, **effort,
     )  # fmt: skip
+
+
+def known(model: Model, expertise: float) -> Task:
+    """The task of whoever knows that the worker starts as in SINGLE."""
+    weight, no_posture = np.full(4, 1 / 8), np.zeros(model.gain.shape[:2])
+    return Task(model.gain, model.offset, SINGLE.states[0], weight, no_posture, expertise, 0.9)
 
 
 def optimum(model: Model, belief: Start, n_cycles: int) -> float:
@@ -202,7 +208,7 @@ def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
 
 def test_the_boxes_hold_every_state_of_their_class() -> None:
     model = small_model(0)
-    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    task = hidden_state(known(model, 0.0), np.ones(4), 8, SEVERAL.states, SEVERAL.weights)
     tree = look_ahead([task], np.ones(1), 6, 2, 10_000)
     assert len(tree.states[:, 0]) == 4**6
     states = HistoryClasses(task, 2, 6).states(6)
@@ -217,7 +223,7 @@ def test_the_boxes_hold_every_state_of_their_class() -> None:
 
 def test_a_hidden_state_merges_the_entries_that_start_alike() -> None:
     model = small_model(0)
-    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    task = hidden_state(known(model, 0.0), np.ones(4), 8, SEVERAL.states, SEVERAL.weights)
     assert sorted(task.start) == [0, 0, 0, 0.1, 0.6, 0.8, 0.9]
     costs = [weight * model.cost(state) for weight, state in zip(SEVERAL.weights, SEVERAL.states, strict=True)]
     assert np.square(task.start) @ task.cost_weight == pytest.approx(sum(costs))
@@ -229,7 +235,7 @@ def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, pr
     """No linear function of the probabilities is lower at a state of the box than at every extreme."""
     rng = np.random.default_rng(0)
     model = small_model(expertise, preferences=preferences)
-    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    task = known(model, expertise)
     states = HistoryClasses(task, 1, 5).states(3)
     extremes = reaction_extremes(task, states)
     np.testing.assert_allclose(extremes.sum(axis=-1), 1, rtol=1e-12)
@@ -245,7 +251,7 @@ def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, pr
 @pytest.mark.parametrize("expertise", EXPERTISE)
 def test_the_choice_is_that_of_the_model(expertise: float) -> None:
     model = small_model(0)
-    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    task = known(model, expertise)
     costs = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.1], [0.0, 0.0, 0.0]])
     expected = [choice_probabilities(row, expertise) for row in costs]
     np.testing.assert_allclose(task.choice(costs), expected, rtol=1e-14)

@@ -10,16 +10,19 @@ from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.action import Action
 from fatigue_planner.output.figures.style import house_style, new_figure, set_title
+from fatigue_planner.pomdp.cost import FatigueCost
 from fatigue_planner.reactions.reaction import ReactionName
 
 FEWEST_PLACES = 6
 
 
-def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, CycleProfile]) -> pd.DataFrame:
+def place_table(
+    actions: Mapping[str, Action], profiles: Mapping[ReactionName, CycleProfile], cost: FatigueCost
+) -> pd.DataFrame:
     """Where each action begins its work (its first hand), and the long-run cost of every reaction there.
 
-    The long-run cost is that of Eq. 5, the mean of the squared fatigue, after the same reaction has been
-    repeated for ever: at the fixed point f = b / (1 - a) of its cycle map.
+    The long-run cost is that after the same reaction has been repeated for ever: at the fixed point f = b / (1 - a) of
+    its cycle map.
     """
     rows = []
     for name, profile in profiles.items():
@@ -29,7 +32,12 @@ def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, C
         fatigue = np.where(cycle.offset > 0, cycle.offset / np.maximum(1 - cycle.gain, 1e-300), 0.0)
         rows.append(
             name._asdict()
-            | {"x_m": position.x, "y_m": position.y, "z_m": position.z, "long_run_cost": float(np.mean(fatigue**2))}
+            | {
+                "x_m": position.x,
+                "y_m": position.y,
+                "z_m": position.z,
+                "long_run_cost": float(cost.of(fatigue)) + profile.posture_cost,
+            }
         )
     return pd.DataFrame(rows)
 

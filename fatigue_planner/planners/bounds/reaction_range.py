@@ -43,7 +43,7 @@ def probability_ranges(task: Task, states: ClassStates) -> tuple[Array, Array]:
     """
     after = task.gain * states.typical[:, None, None] + task.offset
     cost = Quadratics(
-        np.square(after) @ task.cost_weight,
+        np.square(after) @ task.cost_weight + task.posture_cost,
         2 * task.cost_weight * task.gain * after,
         np.broadcast_to(task.cost_weight * np.square(task.gain), after.shape),
     )

@@ -66,7 +66,7 @@ def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Qu
     e = after - transition.then.typical[transition.successors]
     future = later[transition.successors]
     return Quadratics(
-        np.square(after) @ weight + discount * future.at(e),
+        np.square(after) @ weight + task.posture_cost.ravel() + discount * future.at(e),
         gain * (2 * weight * after + discount * (future.slope + 2 * future.curvature * e)),
         np.square(gain) * (weight + discount * future.curvature),
     )

@@ -50,7 +50,7 @@ def draw_reactions(
     profiles: Mapping[ReactionName, CycleProfile],
 ) -> list[Picture]:
     """Postures, loads and, for grids of poses, maps."""
-    places = place_table(experiment.actions, profiles)
+    places = place_table(experiment.actions, profiles, experiment.cost.fatigue_cost())
     pictures = []
     for worker, person in experiment.workers.items():
         several = len(experiment.workers) > 1
