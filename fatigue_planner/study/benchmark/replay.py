@@ -15,11 +15,14 @@ from fatigue_planner.study.benchmark.trial import Episode
 class Course:
     """What happened in a run of n cycles.
 
-    fatigue: (n, entries) after every cycle; observations: (n,) what each reaction was recognised as;
-    discounted_return: what the run came to.
+    start: (entries,) the fatigue at the beginning; fatigue: (n, entries) after every cycle; reactions: (n,) the action
+    and the preference; observations: (n,) what each reaction was recognised as; discounted_return: what the run came
+    to.
     """
 
+    start: NDArray[np.float64]
     fatigue: NDArray[np.float64]
+    reactions: tuple[tuple[str, str], ...]
     observations: tuple[int, ...]
     discounted_return: float
 
@@ -29,5 +32,9 @@ def replay(cell: Cell, trial: int, actions: Sequence[int]) -> Course:
     random_numbers = draw_random_numbers(cell.seed, cell.condition, cell.n_cycles, trial)
     episode = Episode(cell.scenario, random_numbers)
     cycles = [episode.step(action) for action in actions]
-    fatigue = np.array([episode.model.fatigue(cycle.state) for cycle in cycles])
-    return Course(fatigue, tuple(cycle.observation for cycle in cycles), episode.discounted_return)
+    model = episode.model
+    fatigue = np.array([model.fatigue(cycle.state) for cycle in cycles])
+    start = episode.model.fatigue(cell.scenario.start(random_numbers.start))
+    reactions = tuple((model.actions[cycle.action], model.outcomes[cycle.preference]) for cycle in cycles)
+    observations = tuple(cycle.observation for cycle in cycles)
+    return Course(start, fatigue, reactions, observations, episode.discounted_return)
