@@ -15,6 +15,7 @@ from fatigue_planner.fatigue.laws.law import FatigueLaw, Rates
 from fatigue_planner.fatigue.laws.ma import MaLaw
 from fatigue_planner.fatigue.laws.registry import AnyLaw
 from fatigue_planner.fatigue.rates import MAX_PATH_LENGTH, Multiplier, Rate, rate_file, rates_by_entry
+from fatigue_planner.fatigue.strength_by_angle import StrengthByAngle, strength_by_angle
 from fatigue_planner.human.joint_data import MaximumTorque
 
 Vector = NDArray[np.float64]
@@ -91,6 +92,13 @@ class FatigueSettings(Settings):
         description="Torque up to which a joint rests, as a fraction of its strength; the paper's is 0.1 "
         "(section IV-B).",
     )
+    strength_by_angle: tuple[Annotated[str, Field(min_length=1, max_length=MAX_PATH_LENGTH)], ...] = Field(
+        default=(),
+        max_length=100,
+        description="Sources by which strength depends on the joint's angle: names that ship with fatplan "
+        "(medx_lumbar, kamon_arm, anderson_leg), or YAML files; what none has is constant. Default: none, "
+        "as in the paper.",
+    )
     joints: dict[str, JointFatigue] = Field(
         default_factory=dict,
         description="Exceptions: values that differ at a joint, by entry (lumbar_flexion:negative), degree of freedom "
@@ -110,14 +118,18 @@ class FatigueSettings(Settings):
 
 @dataclass(frozen=True)
 class FatigueParameters(Rates):
-    """How a worker tires: the law, its rates and the strength tau_max in N.m, (78,)."""
+    """How a worker tires: the law, its rates and the strength tau_max in N.m, (78,).
+
+    by_angle: how the strength depends on the angle; None where it is constant.
+    """
 
     maximum_torque_nm: Vector
     law: FatigueLaw
+    by_angle: StrengthByAngle | None
 
 
 def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> FatigueParameters:
-    """The parameters of a worker with these strengths. Raises DataFileError for an unknown joint or set of rates."""
+    """The parameters of a worker with these strengths. Raises DataFileError for unknown joints, rates and curves."""
     values = _set_of_rates(settings) | {"threshold": np.full(len(ENTRIES), settings.threshold)}
     for key in PAPER_RATES.keys() | {"rest_multiplier"}:
         if (common := getattr(settings, key)) is not None:
@@ -133,6 +145,7 @@ def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> Fa
         threshold=values["threshold"],
         maximum_torque_nm=np.concatenate(strength.vectors()),
         law=settings.law,
+        by_angle=strength_by_angle(settings.strength_by_angle),
     )
 
 

@@ -28,7 +28,7 @@ def cycle(elbow: float, knee: float, parameters: FatigueParameters) -> Capacity:
     strength = parameters.maximum_torque_nm
     torque[10:50, joint_index("right_elbow_flexion")] = elbow * strength[ENTRIES.index("right_elbow_flexion:positive")]
     torque[72:, joint_index("left_knee_flexion")] = -knee * strength[ENTRIES.index("left_knee_flexion:negative")]
-    return capacity(SimpleNamespace(torque_nm=torque, time_step_s=STEP), parameters)
+    return capacity(SimpleNamespace(torque_nm=torque, configuration=np.zeros((80, 46)), time_step_s=STEP), parameters)
 
 
 def lived_through(own: Capacity, law: FatigueLaw, parameters: FatigueParameters, cycles: int) -> Shortfall | None:
@@ -49,7 +49,7 @@ def lived_through(own: Capacity, law: FatigueLaw, parameters: FatigueParameters,
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize(("elbow", "knee"), [(0.3, 0.2), (0.5, 0.2), (0.72, 0.2), (0.2, 0.95), (0.75, 0.85), (0.2, 1.1)])
+@pytest.mark.parametrize(("elbow", "knee"), [(0.3, 0.2), (0.5, 0.2), (0.72, 0.2), (0.2, 0.95), (0.7, 0.8), (0.2, 1.1)])
 def test_the_first_shortfall_is_found(law: FatigueLaw, elbow: float, knee: float) -> None:
     parameters = parameters_of(law)
     own = cycle(elbow, knee, parameters)

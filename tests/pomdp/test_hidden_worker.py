@@ -136,7 +136,7 @@ def test_maps_for_other_rates_are_those_of_eq_2() -> None:
     ticks, step, law = 40, 0.1, MaLaw(kind="ma")
     torque = rng.normal(0, 3, (5, 39)).repeat(8, axis=0) + rng.normal(0, 0.5, (ticks, 39))
     parameters = FatigueParameters(
-        rng.uniform(0.01, 0.5, 78), rng.uniform(0.01, 0.5, 78), np.ones(78), np.full(78, 0.2), np.full(78, 10.0), law
+        *rng.uniform(0.01, 0.5, (2, 78)), np.ones(78), np.full(78, 0.2), np.full(78, 10.0), law, None
     )
     load_fraction = np.hstack([np.maximum(torque, 0), np.maximum(-torque, 0)]) / 10
     factors = [(1.0, 1.0), (0.3, 2.0), (4.0, 0.5)]

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.fatigue.entries import ENTRIES
-from fatigue_planner.fatigue.load import load_share, loads
+from fatigue_planner.fatigue.load import load_share, loads, strength_nm
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.style import COLOURS, house_style, new_figure, set_title
@@ -18,15 +18,17 @@ MAX_LOADED = 6  # entries drawn over time
 
 
 def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]) -> pd.DataFrame:
-    """Mean load of every entry during work: N.m, share of the worker's maximum torque, and the threshold."""
+    """Mean load of every entry during work: N.m, share of the worker's (mean) strength, and the threshold."""
     rows = []
     for reaction in reactions:
         own = parameters[reaction.name.worker]
-        mean = loads(reaction.motion.torque_nm[reaction.motion.phase("work")]).mean(axis=0)
+        work = reaction.motion.phase("work")
+        mean, strength = loads(reaction.motion.torque_nm[work]).mean(axis=0), strength_nm(reaction.motion, own)
+        most = strength[0] if len(strength) == 1 else strength[work].mean(axis=0)
         rows += [
             reaction.name._asdict()
-            | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / most, "threshold": threshold}
-            for entry, torque, most, threshold in zip(ENTRIES, mean, own.maximum_torque_nm, own.threshold, strict=True)
+            | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / strongest, "threshold": threshold}
+            for entry, torque, strongest, threshold in zip(ENTRIES, mean, most, own.threshold, strict=True)
         ]
     return pd.DataFrame(rows)
 
