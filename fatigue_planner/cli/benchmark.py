@@ -3,33 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.options import (
-    ALL_CORES,
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    Conditions,
-    Cycles,
-    Dask,
-    Descents,
-    ExperimentFile,
-    Jobs,
-    Json,
-    Plugins,
-    Policies,
-    ResultsFolder,
-    Seed,
-    Trials,
-    command_line,
-    executor_of,
-    present,
-)
-from fatigue_planner.cli.progress import progress, warn
+from fatigue_planner.cli import options
+from fatigue_planner.cli.progress import run_jobs, warn
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,23 +19,20 @@ if TYPE_CHECKING:
     from fatigue_planner.experiment.statistics_settings import StatisticsSettings
     from fatigue_planner.planners.lookahead import ReferenceSettings
     from fatigue_planner.study.benchmark.cell import Cell
-    from fatigue_planner.study.benchmark.job import Job
     from fatigue_planner.study.benchmark.selection import Selection
     from fatigue_planner.study.benchmark.trial import TrialResult
 
 SUMMARY_FILE = "summary.txt"
 
-T = TypeVar("T")
-
 
 def benchmark(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cycles: Cycles = None,
-    conditions: Conditions = None,
-    policies: Policies = None,
-    trials: Trials = None,
-    descents: Descents = None,
-    seed: Seed = None,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
+    cycles: options.Cycles = None,
+    conditions: options.Conditions = None,
+    policies: options.Policies = None,
+    trials: options.Trials = None,
+    descents: options.Descents = None,
+    seed: options.Seed = None,
     regret: Annotated[
         bool, typer.Option("--regret", help="Also measure what each decision loses against an exact lookahead.")
     ] = False,
@@ -66,12 +43,12 @@ def benchmark(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Only say what would be run and about how long it takes.")
     ] = False,
-    jobs: Jobs = ALL_CORES,
-    dask: Dask = None,
-    cache: CacheFolder = DEFAULT_CACHE,
-    results: ResultsFolder = DEFAULT_RESULTS,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    jobs: options.Jobs = options.ALL_CORES,
+    dask: options.Dask = None,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Run every policy of an EXPERIMENT in every condition and compare their returns.
 
@@ -83,6 +60,7 @@ def benchmark(
     from fatigue_planner.experiment.build import load_cycle_profiles
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.study.benchmark.bounds import bound_jobs, bound_rows
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
 
@@ -91,27 +69,31 @@ def benchmark(
     asked = selected(settings, wanted)
     if bound:
         asked.cost.fatigue_cost().check_quadratic("--bound")
-    profiles = load_cycle_profiles(asked, cache, command_line("simulate", experiment, cache))
+    profiles = load_cycle_profiles(asked, cache, options.command_line("simulate", experiment, cache))
     grid, left_out = without_infeasible(asked, profiles), omissions(asked, profiles)
     warn(left_out)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)
     if dry_run:
         plan = _plan(grid, grid_cells, store, jobs)
-        present(plan, _plan_text(plan), as_json)
+        options.present(plan, _plan_text(plan), as_json)
         return
-    executor = executor_of(jobs, dask)
+    executor = options.executor_of(jobs, dask)
     folder = writable_folder(results / (settings.name + wanted.suffix()))
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
-    done = _run(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
+    done = run_jobs(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
     losses = _measure_regret(grid_cells, done, judges, store, executor) if regret else None
-    bounds = _run_bounds(grid_cells, results / settings.name / "bounds", executor) if bound else None
+    bounds = None
+    if bound:
+        asked_bounds, bound_store = bound_jobs(grid_cells), writable_folder(results / settings.name / "bounds")
+        found = run_jobs(asked_bounds, bound_store, executor, "Bounding the least cost", "bounds")
+        bounds = bound_rows(asked_bounds, found)
     publish_bytes(folder / EXPERIMENT_FILE, content)
     document, text = _publish(
         folder, asked, wanted, grid.statistics, left_out, grid_cells, done, judges, losses, bounds
     )
-    present(document, text, as_json)
+    options.present(document, text, as_json)
 
 
 def _publish(
@@ -139,7 +121,7 @@ def _publish(
     from fatigue_planner.study.benchmark import results, tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds
     from fatigue_planner.study.statistics.comparison import summary_text
-    from fatigue_planner.study.statistics.contrast_text import contrast_text
+    from fatigue_planner.study.statistics.contrast import contrast_text
     from fatigue_planner.study.statistics.pairing import records
     from fatigue_planner.study.statistics.regret import gap_table, gap_text, regret_table, regret_text
 
@@ -228,7 +210,6 @@ def _plan(experiment: "Experiment", grid: "Sequence[Cell]", store: Path, jobs: i
 
 
 def _plan_text(plan: Mapping[str, Any]) -> str:
-    from fatigue_planner.core.text import counted
     from fatigue_planner.study.benchmark.estimate import duration_text
 
     lines = [
@@ -256,26 +237,4 @@ def _measure_regret(
         RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
         for cell, runs in zip(grid, done, strict=True)
     ]
-    return regret_rows(grid, _run(judgements, store, executor, "Measuring regret", "judged runs"))
-
-
-def _run_bounds(cells: "Sequence[Cell]", store: Path, executor: "Executor") -> "pd.DataFrame":
-    from fatigue_planner.core.files import writable_folder
-    from fatigue_planner.study.benchmark.bounds import run_bounds
-
-    known = {(cell.condition, cell.n_cycles) for cell in cells if cell.scenario.prior is None}
-    with progress("Bounding the least cost", len(known), kept=("bounds", store)) as counter:
-        bounds, warnings = run_bounds(cells, writable_folder(store), executor, counter.advance)
-    warn(warnings)
-    return bounds
-
-
-def _run(grid: "Sequence[Job[T]]", store: Path, executor: "Executor", title: str, what: str) -> list[dict[int, T]]:
-    from fatigue_planner.study.benchmark.runner import run_grid
-
-    runs = sum(len(job.trial_numbers()) for job in grid)
-    effort = sum(len(job.trial_numbers()) * job.effort for job in grid)
-    with progress(title, runs, effort, kept=(what, store)) as counter:
-        done, warnings = run_grid(grid, store, executor, lambda job, n: counter.advance(n, n * job.effort))
-    warn(warnings)
-    return done
+    return regret_rows(grid, run_jobs(judgements, store, executor, "Measuring regret", "judged runs"))

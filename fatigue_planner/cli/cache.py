@@ -7,27 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.options import (
-    ALL_CORES,
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    EXIT_CODES,
-    CacheFolder,
-    ExperimentFile,
-    Jobs,
-    Json,
-    Plugins,
-    command_line,
-    present,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.errors import ExitCode, MissingReactionsError
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.cache_miss import Difference, Miss
-    from fatigue_planner.reactions.housekeeping import Contents
+    from fatigue_planner.reactions.contents import Contents, Difference, Miss
 
 app = typer.Typer(name="cache", help="List, check, explain, clean and move stored reactions.", no_args_is_help=True)
 
@@ -35,8 +23,8 @@ MAX_VALUE_LENGTH = 40
 BundleFile = Annotated[Path, typer.Argument(metavar="BUNDLE", help="The file with the reactions (ZIP).")]
 
 
-@app.command("list", epilog=EXIT_CODES)
-def list_(cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
+@app.command("list", epilog=options.EXIT_CODES)
+def list_(cache: options.CacheFolder = options.DEFAULT_CACHE, as_json: options.Json = False) -> None:
     """List the stored reactions: name, size, and whether this version of fatplan can find them."""
     from fatigue_planner.reactions.cache import ReactionCache
 
@@ -65,15 +53,19 @@ def list_(cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
     ]
     lines += [f"  {file['reason']}" for file in unreadable]
     lines.append(
-        f"{cache}: {_counted(len(found.current), 'reaction')}, {len(found.other) + len(found.unreadable)} of other "
+        f"{cache}: {counted(len(found.current), 'reaction')}, {len(found.other) + len(found.unreadable)} of other "
         f"versions, {len(found.damaged)} damaged; {_megabytes(size_bytes)}."
     )
     document = {"folder": cache, "reactions": reactions, "unreadable": unreadable, "size_bytes": size_bytes}
-    present(document, "\n".join(lines), as_json)
+    options.present(document, "\n".join(lines), as_json)
 
 
-@app.command(epilog=EXIT_CODES)
-def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: Json = False) -> None:
+@app.command(epilog=options.EXIT_CODES)
+def verify(
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    jobs: options.Jobs = options.ALL_CORES,
+    as_json: options.Json = False,
+) -> None:
     """Check every stored reaction again: its hash and every invariant of its motion.
 
     The invariants (equation of motion, friction, centre of pressure, limits, feet, hands, balance,
@@ -111,23 +103,23 @@ def verify(cache: CacheFolder = DEFAULT_CACHE, jobs: Jobs = ALL_CORES, as_json: 
         for reaction in reactions
     ]
     lines.append(
-        f"{cache}: {_counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
+        f"{cache}: {counted(len(files), 'reaction')}: {counts['ok']} ok, {counts['degraded']} degraded, "
         f"{counts['failed']} failed, {counts['damaged']} damaged, {counts['other version']} of other versions, not "
         "checked."
     )
     if counts["damaged"] or counts["failed"]:
         lines.append("`fatplan simulate` sets damaged files aside and simulates again what its experiment needs.")
-    present({"folder": cache, "counts": counts, "reactions": reactions}, "\n".join(lines), as_json)
+    options.present({"folder": cache, "counts": counts, "reactions": reactions}, "\n".join(lines), as_json)
     if counts["damaged"] or counts["failed"]:
         raise typer.Exit(ExitCode.DAMAGED_STORE if counts["damaged"] else ExitCode.FAILED_PARTS)
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=options.EXIT_CODES)
 def why(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cache: CacheFolder = DEFAULT_CACHE,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Say which reactions of an EXPERIMENT are not in the cache, and what has changed since they were.
 
@@ -137,7 +129,7 @@ def why(
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.cache_miss import explain
+    from fatigue_planner.reactions.contents import explain
 
     requests = reaction_requests(load_experiment(experiment))
     stored = _contents(ReactionCache(cache))
@@ -161,16 +153,16 @@ def why(
     }
     lines = [line for miss in misses for line in _reasons(miss)]
     lines += [f"Damaged, and so not found: {reason}" for reason in damaged]
-    rest = f" `{command_line('simulate', experiment, cache)}` simulates the others." if misses else ""
-    lines.append(f"{cache}: {found} of {_counted(len(requests), 'reaction')} are there.{rest}")
-    present(document, "\n".join(lines), as_json)
+    rest = f" `{options.command_line('simulate', experiment, cache)}` simulates the others." if misses else ""
+    lines.append(f"{cache}: {found} of {counted(len(requests), 'reaction')} are there.{rest}")
+    options.present(document, "\n".join(lines), as_json)
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=options.EXIT_CODES)
 def gc(
-    cache: CacheFolder = DEFAULT_CACHE,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
     delete: Annotated[bool, typer.Option("--delete", help="Delete them; without it they are only listed.")] = False,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """List the files that no run of this version will ever read again, or delete them.
 
@@ -178,7 +170,7 @@ def gc(
     what killed runs have left behind. A reaction that this version can find is never deleted.
     """
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.housekeeping import useless
+    from fatigue_planner.reactions.contents import useless
 
     store = ReactionCache(cache)
     files = useless(store, _contents(store))
@@ -188,18 +180,18 @@ def gc(
     lines = [f"  {file.path.name}: {file.reason} ({_megabytes(file.size_bytes)})" for file in files]
     done = "deleted" if delete else "can go; `fatplan cache gc --delete` deletes them" if files else "can go"
     size = _megabytes(sum(file.size_bytes for file in files))
-    lines.append(f"{cache}: {_counted(len(files), 'file')} of {size} {done}.")
+    lines.append(f"{cache}: {counted(len(files), 'file')} of {size} {done}.")
     listed = [{"file": file.path.name, "reason": file.reason, "size_bytes": file.size_bytes} for file in files]
-    present({"folder": cache, "files": listed, "deleted": delete}, "\n".join(lines), as_json)
+    options.present({"folder": cache, "files": listed, "deleted": delete}, "\n".join(lines), as_json)
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=options.EXIT_CODES)
 def export(
-    experiment: ExperimentFile,
+    experiment: options.ExperimentFile,
     bundle: BundleFile,
-    cache: CacheFolder = DEFAULT_CACHE,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Put the reactions of an EXPERIMENT into one file, for another machine with the same versions."""
     from fatigue_planner.experiment.build import reaction_requests
@@ -208,14 +200,16 @@ def export(
     from fatigue_planner.reactions.cache import ReactionCache
 
     requests = reaction_requests(load_experiment(experiment))
-    n = export_archive(ReactionCache(cache), requests, bundle, command_line("simulate", experiment, cache))
+    n = export_archive(ReactionCache(cache), requests, bundle, options.command_line("simulate", experiment, cache))
     size_bytes = bundle.stat().st_size
     document = {"file": bundle, "reactions": n, "size_bytes": size_bytes}
-    present(document, f"{bundle}: {_counted(n, 'reaction')}, {_megabytes(size_bytes)}.", as_json)
+    options.present(document, f"{bundle}: {counted(n, 'reaction')}, {_megabytes(size_bytes)}.", as_json)
 
 
-@app.command("import", epilog=EXIT_CODES)
-def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Json = False) -> None:
+@app.command("import", epilog=options.EXIT_CODES)
+def import_(
+    bundle: BundleFile, cache: options.CacheFolder = options.DEFAULT_CACHE, as_json: options.Json = False
+) -> None:
     """Take the reactions of a file made by `fatplan cache export` into the cache.
 
     Nothing in the file is trusted: every reaction is checked as if it had just been simulated, and refused if it fails.
@@ -237,13 +231,13 @@ def import_(bundle: BundleFile, cache: CacheFolder = DEFAULT_CACHE, as_json: Jso
     ]
     lines.append(f"{cache}: {taken} taken, {len(reactions) - taken - refused} there already, {refused} refused.")
     document = {"folder": cache, "reactions": reactions, "taken": taken, "refused": refused}
-    present(document, "\n".join(lines), as_json)
+    options.present(document, "\n".join(lines), as_json)
     if refused:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
 
 def _contents(store: "ReactionCache") -> "Contents":
-    from fatigue_planner.reactions.housekeeping import contents
+    from fatigue_planner.reactions.contents import contents
 
     with progress("Reading the cache", len(store.files())) as counter:
         return contents(store, counter.advance)
@@ -267,12 +261,6 @@ def _difference_text(difference: "Difference") -> str:
 def _shown(value: Any) -> str:
     text = "nothing" if value is None else json.dumps(value)
     return text if len(text) <= MAX_VALUE_LENGTH else f"{text[:MAX_VALUE_LENGTH]}…"
-
-
-def _counted(number: int, what: str) -> str:
-    from fatigue_planner.core.text import counted
-
-    return counted(number, what)
 
 
 def _megabytes(size_bytes: int) -> str:

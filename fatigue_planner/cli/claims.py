@@ -7,22 +7,7 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.options import (
-    DEFAULT_CACHE,
-    DEFAULT_RESULTS,
-    Conditions,
-    Cycles,
-    Descents,
-    Json,
-    Plugins,
-    Policies,
-    ResultsFolder,
-    Seed,
-    Trials,
-    command_line,
-    present,
-    source_of,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import SelectionError
 
 DEFAULT_CLAIMS = Path("paper_claims")
@@ -33,15 +18,15 @@ def claims(
     folder: Annotated[
         Path | None, typer.Argument(metavar="FOLDER", help="A results folder, instead of the options that name it.")
     ] = None,
-    cycles: Cycles = None,
-    conditions: Conditions = None,
-    policies: Policies = None,
-    trials: Trials = None,
-    descents: Descents = None,
-    seed: Seed = None,
-    results: ResultsFolder = DEFAULT_RESULTS,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    cycles: options.Cycles = None,
+    conditions: options.Conditions = None,
+    policies: options.Policies = None,
+    trials: options.Trials = None,
+    descents: options.Descents = None,
+    seed: options.Seed = None,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Judge every claim in a CLAIMS file: reproduced, not reproduced or undetermined, with numbers and reasons.
 
@@ -56,19 +41,18 @@ def claims(
     from fatigue_planner.study.benchmark.results import load_results
     from fatigue_planner.study.benchmark.selection import Selection, selected
     from fatigue_planner.study.benchmark.tables import TRIALS_FILE
-    from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, evaluate
+    from fatigue_planner.study.claims.evaluation import CLAIMS_FILE, DETAIL_FILE, claims_text, evaluate
     from fatigue_planner.study.claims.loader import load_claims
     from fatigue_planner.study.claims.schema import VERDICTS
-    from fatigue_planner.study.claims.text import claims_text
     from fatigue_planner.study.statistics.pairing import records
 
     loaded = load_claims(claims)
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     if folder is not None:
-        results, (_, wanted) = folder.parent, source_of(folder, wanted)
+        results, (_, wanted) = folder.parent, options.source_of(folder, wanted)
     experiment = selected(loaded.experiment, wanted)
     folder = folder or results / (experiment.name + wanted.suffix())
-    command = command_line("benchmark", loaded.experiment_file, DEFAULT_CACHE, results, wanted)
+    command = options.command_line("benchmark", loaded.experiment_file, options.DEFAULT_CACHE, results, wanted)
     tables = load_results(experiment, folder, command)
     about = loaded.about(tables.note.grid)
     left_out = [name for name in loaded.claims if name not in about]
@@ -99,4 +83,4 @@ def claims(
     if tables.bounds is None:
         lines.append(f"How much any policy could win is not known; `{command} --bound` computes it.")
     lines.append(f"{folder}: {CLAIMS_FILE}, {DETAIL_FILE}, {MANIFEST_FILE}")
-    present(document, "\n".join(lines), as_json)
+    options.present(document, "\n".join(lines), as_json)

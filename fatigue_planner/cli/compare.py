@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.options import Json, present
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import SelectionError
 
 
@@ -15,7 +15,7 @@ def compare(
     save: Annotated[
         Path | None, typer.Option("--save", help="Also save a page (.html), with its table as CSV beside it.")
     ] = None,
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Compare two results folders, A and B: their settings, their versions and the return of every policy.
 
@@ -45,4 +45,4 @@ def compare(
         "contrasts": records(found.contrasts),
         "files": files,
     }
-    present(document, text, as_json)
+    options.present(document, text, as_json)

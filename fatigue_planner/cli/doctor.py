@@ -11,14 +11,7 @@ from pathlib import Path
 
 import typer
 
-from fatigue_planner.cli.options import (
-    DEFAULT_CACHE,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    Json,
-    ResultsFolder,
-    present,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExitCode, OutputFolderError
 from fatigue_planner.core.executors.processes import available_cores
 
@@ -36,7 +29,11 @@ class Finding:
     vital: bool = True
 
 
-def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_RESULTS, as_json: Json = False) -> None:
+def doctor(
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    as_json: options.Json = False,
+) -> None:
     """Check this installation (versions, solvers, compiler, HDF5, folders, viewer, browser) by using every part.
 
     Whatever is missing is named, with what to do about it; the exit code is 3 if nothing can work without it.
@@ -47,7 +44,7 @@ def doctor(cache: CacheFolder = DEFAULT_CACHE, results: ResultsFolder = DEFAULT_
     ]  # fmt: skip
     findings = [_careful(check) for check in checks]
     healthy = not any(one.remedy and one.vital for one in findings)
-    present({"healthy": healthy, "findings": findings}, "\n".join(map(_words, findings)), as_json)
+    options.present({"healthy": healthy, "findings": findings}, "\n".join(map(_words, findings)), as_json)
     if not healthy:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 

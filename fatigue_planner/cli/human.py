@@ -5,18 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fatigue_planner.cli.options import (
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    DEFAULT_RESULTS,
-    EXIT_CODES,
-    CacheFolder,
-    ExperimentFile,
-    Json,
-    Plugins,
-    command_line,
-    present,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import SelectionError
 
 if TYPE_CHECKING:
@@ -33,8 +22,8 @@ app = typer.Typer(
 )
 
 
-@app.command(epilog=EXIT_CODES)
-def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = None) -> None:
+@app.command(epilog=options.EXIT_CODES)
+def show(experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT, workers: Workers = None) -> None:
     """Print the workers' segments, ranges of motion and strengths."""
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.human.worker_tables import joint_frame, segment_frame
@@ -51,9 +40,9 @@ def show(experiment: ExperimentFile = DEFAULT_EXPERIMENT, workers: Workers = Non
         typer.echo()
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=options.EXIT_CODES)
 def export(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
     output: Annotated[
         Path | None, typer.Option(help="The URDF file to write; results/<experiment>/<worker>.urdf if not given.")
     ] = None,
@@ -61,8 +50,8 @@ def export(
     tool: Annotated[
         bool, typer.Option(help="With the experiment's tool, in the right hand unless tool.hand says left.")
     ] = False,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Write the digital human as URDF; the pelvis is the root and free.
 
@@ -78,7 +67,7 @@ def export(
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
     person = settings.workers[name]
-    output = output or DEFAULT_RESULTS / settings.name / f"{name}.urdf"
+    output = output or options.DEFAULT_RESULTS / settings.name / f"{name}.urdf"
     held_kg = settings.tool.mass_kg if tool else 0.0
     human = build_human(person, *((0.0, held_kg) if settings.tool.hand == "left" else (held_kg, 0.0)))
     strength = maximum_torque(person.strength).vectors()
@@ -91,19 +80,19 @@ def export(
         "mass_kg": human.mass_kg,
         "joint_order": DEGREES_OF_FREEDOM,
     }
-    present(document, f"{output}: {joints} joints, {human.mass_kg:.1f} kg", as_json)
+    options.present(document, f"{output}: {joints} joints, {human.mass_kg:.1f} kg", as_json)
 
 
-@app.command(epilog=EXIT_CODES)
+@app.command(epilog=options.EXIT_CODES)
 def report(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
     output: Annotated[
         Path | None, typer.Option(help="The Markdown page to write; results/<experiment>/<worker>.md if not given.")
     ] = None,
     worker: OneWorker = None,
-    cache: CacheFolder = DEFAULT_CACHE,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Write a page that compares a worker and the simulated reactions with the literature."""
     from fatigue_planner.core.files import publish_text
@@ -113,15 +102,15 @@ def report(
 
     settings = load_experiment(experiment)
     name = _one_worker(settings, worker)
-    output = output or DEFAULT_RESULTS / settings.name / f"{name}.md"
-    reactions = load_reactions(settings, cache, command_line("simulate", experiment, cache))
+    output = output or options.DEFAULT_RESULTS / settings.name / f"{name}.md"
+    reactions = load_reactions(settings, cache, options.command_line("simulate", experiment, cache))
     own = [reaction for reaction in reactions if reaction.name.worker == name]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
     page = human_page(settings.workers[name], settings.fatigue, own, command)
     publish_text(output, page)
     outside = page.count("**OUTSIDE**")
     document = {"file": output, "worker": name, "outside": outside}
-    present(document, f"{output}: {outside} values outside their band or range", as_json)
+    options.present(document, f"{output}: {outside} values outside their band or range", as_json)
 
 
 def _one_worker(settings: "Experiment", wanted: str | None) -> str:

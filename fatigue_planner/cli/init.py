@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from fatigue_planner.cli.options import Json, present
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExperimentError, OutputFolderError
 
 EXPERIMENT = """\
@@ -43,7 +43,7 @@ actions:
 
 def init(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the experiment and, with .yaml, of its file.")],
-    as_json: Json = False,
+    as_json: options.Json = False,
 ) -> None:
     """Write a short, commented experiment, NAME.yaml, to fill in with a task of your own."""
     import yaml
@@ -62,4 +62,4 @@ def init(
         raise OutputFolderError(f"{file}: exists already and stays as it is; choose another NAME.")
     written_name = yaml.safe_dump(name).splitlines()[0]  # in quotes where YAML needs them: no
     publish_text(file, EXPERIMENT.format(file=file, name=written_name))
-    present({"file": file, "name": name}, f"{file}: written; its comments say how to go on.", as_json)
+    options.present({"file": file, "name": name}, f"{file}: written; its comments say how to go on.", as_json)

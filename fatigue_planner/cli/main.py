@@ -8,13 +8,12 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli import cache, human
+from fatigue_planner.cli import cache, human, options
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
-from fatigue_planner.cli.options import EXIT_CODES
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
@@ -25,15 +24,15 @@ from fatigue_planner.core.errors import SelectionError
 app = typer.Typer(
     name="fatplan",
     help="Plan a cobot's choices so that a worker's fatigue stays low in the long run.",
-    epilog=EXIT_CODES,
+    epilog=options.EXIT_CODES,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
 for command in (init, simulate, benchmark, claims, report, compare, sensitivity, view, validate, schema, doctor):
-    app.command(epilog=EXIT_CODES)(command)
+    app.command(epilog=options.EXIT_CODES)(command)
 for group in (human.app, cache.app):
-    app.add_typer(group, epilog=EXIT_CODES)
+    app.add_typer(group, epilog=options.EXIT_CODES)
 
 
 @app.command(hidden=True, add_help_option=False, context_settings={"ignore_unknown_options": True})

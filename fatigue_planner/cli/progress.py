@@ -1,14 +1,19 @@
 """What is said while a command works, all of it on stderr: progress, warnings, and what is kept if it ends early."""
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress, TaskID
+
+    from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.study.benchmark.job import Job
+
+T = TypeVar("T")
 
 SECONDS_BETWEEN_LINES = 60.0
 
@@ -83,3 +88,15 @@ def progress(
         raise
     finally:
         counter.close()
+
+
+def run_jobs(grid: "Sequence[Job[T]]", store: Path, executor: "Executor", title: str, what: str) -> list[dict[int, T]]:
+    """As `benchmark.runner.run_grid`, with its progress shown and its warnings printed; `what`: what the trials are."""
+    from fatigue_planner.study.benchmark.runner import run_grid
+
+    runs = sum(len(job.trial_numbers()) for job in grid)
+    effort = sum(len(job.trial_numbers()) * job.effort for job in grid)
+    with progress(title, runs, effort, kept=(what, store)) as counter:
+        done, warnings = run_grid(grid, store, executor, lambda job, n: counter.advance(n, n * job.effort))
+    warn(warnings)
+    return done

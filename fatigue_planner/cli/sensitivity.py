@@ -6,21 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.options import (
-    ALL_CORES,
-    DEFAULT_CACHE,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    Dask,
-    Jobs,
-    Json,
-    Plugins,
-    ResultsFolder,
-    command_line,
-    executor_of,
-    present,
-)
-from fatigue_planner.cli.progress import progress, talk, warn
+from fatigue_planner.cli import options
+from fatigue_planner.cli.progress import progress, run_jobs, talk, warn
 from fatigue_planner.core.errors import ExperimentError
 
 if TYPE_CHECKING:
@@ -39,12 +26,12 @@ StudyFile = Annotated[Path, typer.Argument(metavar="STUDY", help="The study file
 
 def sensitivity(
     study: StudyFile = DEFAULT_STUDY,
-    jobs: Jobs = ALL_CORES,
-    dask: Dask = None,
-    cache: CacheFolder = DEFAULT_CACHE,
-    results: ResultsFolder = DEFAULT_RESULTS,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    jobs: options.Jobs = options.ALL_CORES,
+    dask: options.Dask = None,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Find out for which settings planning is worthwhile, and which settings decide that.
 
@@ -57,15 +44,15 @@ def sensitivity(
     from fatigue_planner.study.sensitivity.design import design
     from fatigue_planner.study.sensitivity.study import load_study
 
-    settings, executor = load_study(study), executor_of(jobs, dask)
+    settings, executor = load_study(study), options.executor_of(jobs, dask)
     points = design(settings)
     store = writable_folder(results / settings.settings.name / "parts")
-    command = command_line("sensitivity", study, cache, results)
+    command = options.command_line("sensitivity", study, cache, results)
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
     trials = _run(reacted, store, executor)
     document, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
     conclusions = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(document["lessons"], start=1))
-    present(document, f"{conclusions}\n\n{document['folder']}: {names}", as_json)
+    options.present(document, f"{conclusions}\n\n{document['folder']}: {names}", as_json)
 
 
 def _react(
@@ -89,7 +76,7 @@ def _react(
 
 def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Mapping[str, pd.DataFrame]":
     from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
-    from fatigue_planner.study.sensitivity.run import StudyGrid
+    from fatigue_planner.study.sensitivity.tables import StudyGrid
 
     console = talk()
     grid = StudyGrid(reacted)
@@ -98,12 +85,7 @@ def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Ma
     console.print(
         f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with {executor.workers} workers."
     )
-    runs = sum(len(cell.trial_numbers()) for cell in grid.cells)
-    effort = sum(len(cell.trial_numbers()) * cell.effort for cell in grid.cells)
-    with progress("Decisions", runs, effort, kept=("runs", store)) as counter:
-        trials, warnings = grid.run(store, executor, lambda job, n: counter.advance(n, n * job.effort))
-    warn(warnings)
-    return trials
+    return grid.tables(run_jobs(grid.cells, store, executor, "Decisions", "runs"))
 
 
 def _publish(

@@ -5,19 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from fatigue_planner.cli.options import (
-    ALL_CORES,
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    CacheFolder,
-    Dask,
-    ExperimentFile,
-    Jobs,
-    Json,
-    Plugins,
-    executor_of,
-    present,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 from fatigue_planner.core.errors import ExitCode
 
@@ -26,12 +14,12 @@ if TYPE_CHECKING:
 
 
 def simulate(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cache: CacheFolder = DEFAULT_CACHE,
-    jobs: Jobs = ALL_CORES,
-    dask: Dask = None,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    jobs: options.Jobs = options.ALL_CORES,
+    dask: options.Dask = None,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Simulate the digital human for every action and motion preference of an EXPERIMENT.
 
@@ -46,7 +34,7 @@ def simulate(
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
-    requests, executor = reaction_requests(settings), executor_of(jobs, dask)
+    requests, executor = reaction_requests(settings), options.executor_of(jobs, dask)
     store = ReactionCache(cache)
     with progress("Simulating reactions", len(requests), kept=("reactions", cache)) as counter:
         outcomes = store.complete(requests, executor, lambda outcome: counter.advance(pieces=outcome.kept))
@@ -71,7 +59,7 @@ def simulate(
         "failed": failed,
         "elapsed_s": elapsed_s,
     }
-    present(document, "\n".join(lines), as_json)
+    options.present(document, "\n".join(lines), as_json)
     if failed:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 

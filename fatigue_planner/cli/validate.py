@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.cli.options import Json, Plugins, present
+from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -34,8 +35,8 @@ def validate(
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
     ] = False,
-    plugins: Plugins = None,
-    as_json: Json = False,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
 ) -> None:
     """Check a FILE of settings completely, without running anything, and list all its faults at once."""
     from fatigue_planner.core.files import find_shipped
@@ -57,7 +58,7 @@ def validate(
             raise
         error = fault
         document["faults"] = [{"message": line.removeprefix(f"{file}: ")} for line in str(error).splitlines()]
-    present(document, text, as_json)
+    options.present(document, text, as_json)
     if error is not None:
         typer.echo(f"Error: {error}", err=True)
         raise typer.Exit(error.exit_code)
@@ -65,7 +66,7 @@ def validate(
 
 def schema(
     kind: Annotated[Kind, typer.Argument(help="The kind of file.")] = Kind.EXPERIMENT,
-    plugins: Plugins = None,
+    plugins: options.Plugins = None,
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
     from fatigue_planner.experiment.loader import editor_schema
@@ -111,8 +112,6 @@ def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], st
 
 
 def _size(experiment: "Experiment") -> str:
-    from fatigue_planner.core.text import counted
-
     grid = experiment.benchmark
     reactions = len(experiment.workers) * len(experiment.actions) * len(experiment.preferences)
     cells = len(grid.conditions) * len(grid.n_cycles) * len(grid.policies)

@@ -8,15 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fatigue_planner.cli.options import (
-    DEFAULT_CACHE,
-    DEFAULT_EXPERIMENT,
-    DEFAULT_RESULTS,
-    CacheFolder,
-    ExperimentFile,
-    Plugins,
-    command_line,
-)
+from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import talk, warn
 from fatigue_planner.core.errors import FailedMotionError, SelectionError
 
@@ -29,8 +21,8 @@ SUFFIXES = (".html", ".png")
 
 
 def view(
-    experiment: ExperimentFile = DEFAULT_EXPERIMENT,
-    cache: CacheFolder = DEFAULT_CACHE,
+    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
     reaction: Annotated[
         list[str] | None,
         typer.Option("--reaction", help="Show only this reaction (repeatable), as `simulate` names it."),
@@ -41,7 +33,7 @@ def view(
     at: Annotated[
         list[float] | None, typer.Option("--at", help="Seconds of the cycle, for the poses of a .png (repeatable).")
     ] = None,
-    plugins: Plugins = None,
+    plugins: options.Plugins = None,
 ) -> None:
     """Show the digital human performing the reactions of an EXPERIMENT, in a browser or as a picture.
 
@@ -53,14 +45,14 @@ def view(
 
     begin = time.perf_counter()
     settings = load_experiment(experiment)
-    path = save or DEFAULT_RESULTS / settings.name / "view.html"
+    path = save or options.DEFAULT_RESULTS / settings.name / "view.html"
     kind = path.suffix.lower()
     if kind not in SUFFIXES:
         raise SelectionError(f"--save {path}: the name must end in {' or '.join(SUFFIXES)}.")
     if at and kind != ".png":
         raise SelectionError(f"--at {at[0]:g}: only for the poses of a .png; the page shows the whole cycle.")
     writable_folder(path.parent)
-    clips = _motion_clips(settings, reaction or [], cache, command_line("simulate", experiment, cache))
+    clips = _motion_clips(settings, reaction or [], cache, options.command_line("simulate", experiment, cache))
     if kind == ".png":
         from fatigue_planner.output.figures.postures import filmstrip
         from fatigue_planner.output.figures.style import publish_png

@@ -18,7 +18,7 @@ Weight = Annotated[float, Field(ge=0, le=10)]
 class CostSettings(Settings):
     """What a state costs; without a word it is the paper's mean square of fatigue."""
 
-    kind: CostKind = Field(
+    fatigue: CostKind = Field(
         default="mean_square",
         description="How the fatigue of the joints becomes a cost: the mean of its squares (mean_square; paper, Eq. 5) "
         "or the highest (worst_joint).",
@@ -39,7 +39,7 @@ class CostSettings(Settings):
         weights = np.ones(len(ENTRIES))
         for name, weight in self.weights.items():
             weights[entry_indices(name, f"cost.weights.{name}")] = weight
-        return FatigueCost(self.kind, weights)
+        return FatigueCost(self.fatigue, weights)
 
     def posture_cost(self, human: Human, motion: Motion) -> float:
         """What the postures of a motion cost."""

@@ -225,8 +225,8 @@ class Experiment(Settings):
         named = {f"policies.{name}": policy for name, policy in self.benchmark.policies.items()}
         reference = self.benchmark.reference
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
-            if getattr(planner, "leaf_value", "none") == "bound" and self.cost.kind != "mean_square":
-                yield f"benchmark.{name}.leaf_value: bound {not_quadratic(self.cost.kind)}; or use none"
+            if getattr(planner, "leaf_value", "none") == "bound" and self.cost.fatigue != "mean_square":
+                yield f"benchmark.{name}.leaf_value: bound {not_quadratic(self.cost.fatigue)}; or use none"
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
         certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())

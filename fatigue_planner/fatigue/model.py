@@ -1,5 +1,6 @@
 """What one cycle does to fatigue: an exact affine map per entry, for any worker's rates."""
 
+import hashlib
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
@@ -117,10 +118,9 @@ class TickProfile(CycleProfile):
         return gain, offset
 
     def plain(self) -> dict[str, Any]:
-        """See CycleProfile.plain."""
-        flows = {name: table.tolist() for name, table in vars(self.flows).items()}
-        own = {name: np.asarray(value).tolist() for name, value in vars(self).items() if name != "flows"}
-        return own | flows
+        """See CycleProfile.plain; of the flows, which are many, the SHA-256."""
+        flows = {name: hashlib.sha256(table.tobytes()).hexdigest() for name, table in vars(self.flows).items()}
+        return {name: np.asarray(value).tolist() for name, value in vars(self).items() if name != "flows"} | flows
 
 
 @kernel

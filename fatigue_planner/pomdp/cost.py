@@ -45,7 +45,7 @@ class FatigueCost:
 
 def not_quadratic(kind: CostKind) -> str:
     """Why a cost of a kind is of no use where a quadratic is needed."""
-    return f"needs a cost that is quadratic in fatigue; cost.kind is {kind}, mean_square would do"
+    return f"needs a cost that is quadratic in fatigue; cost.fatigue is {kind}, mean_square would do"
 
 
 def mean_square(entries: int) -> FatigueCost:

@@ -32,8 +32,7 @@ from fatigue_planner.planners.baselines import GreedySettings, RandomSettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.runner import run_grid
-from fatigue_planner.study.benchmark.store import TrialStore
+from fatigue_planner.study.benchmark.runner import TrialStore, run_grid
 from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
 
 

@@ -20,7 +20,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.study.benchmark.bounds import publish_bounds, run_bounds
+from fatigue_planner.study.benchmark.bounds import bound_jobs, bound_rows, publish_bounds
 from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
@@ -58,10 +58,10 @@ class Remembering(Executor):
 
 
 def _name_of(item: Any) -> str:
-    """What tells items apart: a reaction's or job's digest, with the trials; a bound's condition and length."""
+    """What tells items apart: a reaction's or job's digest, with the trials."""
     if isinstance(item, tuple):
         job, rest = item
-        return f"{job.digest()} {rest}" if hasattr(job, "digest") else str(job)
+        return f"{job.digest()} {rest}"
     return str(item.digest)
 
 
@@ -98,8 +98,9 @@ def one_run(experiment: Experiment, folder: Path, executor: Executor) -> None:
     ]
     regrets, _ = run_grid(judgements, parts, executor, lambda job, n: None)
     publish_table(results, regret_rows(grid, regrets), [REGRET_FILE])
-    bounds, _ = run_bounds(grid, writable_folder(results / "bounds"), executor, lambda: None)
-    publish_bounds(results, gap_table(comparison, bounds))
+    bounds = bound_jobs(grid)
+    found, _ = run_grid(bounds, writable_folder(results / "bounds"), executor, lambda job, n: None)
+    publish_bounds(results, gap_table(comparison, bound_rows(bounds, found)))
     remove(results / "of an earlier run.csv")
     publish_text(results / "summary.txt", summary_text(comparison, experiment.statistics.significance_level))
     files = [results / name for name in (TRIALS_FILE, ACTIONS_FILE, REGRET_FILE, "bounds.csv", "summary.txt")]

@@ -21,12 +21,11 @@ from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import build_human, joint_index
-from fatigue_planner.output.figures.estimates import estimate_figure
-from fatigue_planner.output.figures.fatigue_course import fatigue_figure
 from fatigue_planner.output.figures.postures import filmstrip, posture_figure
-from fatigue_planner.output.figures.returns import returns_figure
 from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.figures.torques import course_figure
+from fatigue_planner.output.reports.results.sections.fatigue import fatigue_figure
+from fatigue_planner.output.reports.results.sections.returns import estimate_figure, returns_figure
 from fatigue_planner.output.viewer.motion_clip import motion_clip_of
 from fatigue_planner.reactions.reaction import Reaction
 
@@ -36,7 +35,7 @@ DRAWING = """
 import sys
 from pathlib import Path
 import pandas as pd
-from fatigue_planner.output.figures.returns import returns_figure
+from fatigue_planner.output.reports.results.sections.returns import returns_figure
 from fatigue_planner.output.figures.style import FigureFolder
 columns = ["condition", "n_cycles", "policy", "mean", "standard_deviation", "p_value", "verdict"]
 rows = [("novice", 5, "greedy", -0.1, 0.01, 0.2, "ns"), ("novice", 5, "random", -0.3, 0.02, float("nan"), "")]

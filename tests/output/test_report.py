@@ -19,15 +19,15 @@ from fatigue_planner.core.text import listing, percent, percent_range, significa
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS, highest_fatigue
-from fatigue_planner.output.figures.estimates import estimate_table
-from fatigue_planner.output.figures.fatigue_course import fatigue_table
 from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
 from fatigue_planner.output.reports.results.report import SECTIONS, SectionWriter, report, report_section
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.results.sections.fatigue import fatigue_table
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
+from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins
 from fatigue_planner.output.reports.study.finished import study_of
 from fatigue_planner.reactions.reaction import Reaction, digests

@@ -15,11 +15,10 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.planners.bounds import sub_solution
 from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, bound_of, cost_lower_bound
-from fatigue_planner.planners.bounds.history_classes import HistoryClasses
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
-from fatigue_planner.planners.bounds.reaction_range import reaction_extremes
-from fatigue_planner.planners.bounds.task import Task, hidden_state
+from fatigue_planner.planners.bounds.sub_solution import reaction_extremes
+from fatigue_planner.planners.bounds.task import HistoryClasses, Task, hidden_state
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings

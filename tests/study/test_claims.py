@@ -11,11 +11,10 @@ from conftest import PAPER
 
 from fatigue_planner.core.errors import ClaimsError, ExperimentError
 from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
-from fatigue_planner.study.claims.evaluation import Evaluation, evaluate, judge_claims
+from fatigue_planner.study.claims.evaluation import Evaluation, claims_text, evaluate, judge_claims
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.claims.relations import RELATIONS
 from fatigue_planner.study.claims.schema import Answer, Claim, all_of, any_of
-from fatigue_planner.study.claims.text import claims_text
 from fatigue_planner.study.statistics.contrasts import contrasts
 
 PAPER_CLAIMS = PAPER.parent / "paper_claims.yaml"

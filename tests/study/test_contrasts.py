@@ -14,8 +14,7 @@ from contrast_tables import shared_worlds, trial_table
 from fatigue_planner.core.errors import UnknownContrastError
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
-from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of
-from fatigue_planner.study.statistics.contrast_text import contrast_text
+from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast, Verdict, contrast_of, contrast_text
 from fatigue_planner.study.statistics.contrasts import contrasts
 from fatigue_planner.study.statistics.effect_sizes import detectable_noncentrality, power
 from fatigue_planner.study.statistics.hypothesis_tests import equivalence_p, permutation_p

@@ -21,7 +21,7 @@ from fatigue_planner.planners.reference import check_effort, describe, reference
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, run_bounds
+from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, bound_jobs, bound_rows, publish_bounds
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.regret import RegretJob
 from fatigue_planner.study.benchmark.runner import run_grid
@@ -147,31 +147,27 @@ def test_bounds_are_kept_and_hold(scenarios: dict[str, Scenario], tmp_path: Path
     """Short runs, where the bound is the optimum itself: an exact lookahead over all cycles reaches it."""
     one = scenarios["single_expert"]
     cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
-    done = []
-    first, warnings = run_bounds(cells, tmp_path, LocalProcesses(2), lambda: done.append(1))
-    assert warnings == [] and len(done) == 2 and list(first["exact"]) == [True, True]
-    again, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: done.append(1))
+    first, warnings = bounds_of(cells, tmp_path, 2)
+    assert warnings == [] and list(first["exact"]) == [True, True]
+    written = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/*.json")}
+    again, _ = bounds_of(cells, tmp_path)
     pd.testing.assert_frame_equal(first, again)
+    assert written == {path: path.stat().st_mtime_ns for path in tmp_path.glob("*/*.json")} and len(written) == 2
     belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
     for n, bound in zip((2, 4), first["cost_bound"], strict=True):
         whole = LookaheadPolicy(LookaheadSettings(kind="lookahead", depth=n))
         assert -whole.values(belief, np.random.default_rng(0)).max() == pytest.approx(bound, rel=1e-9)
-    (damaged, *_) = tmp_path.glob("*.json")
-    damaged.write_text(damaged.read_text().replace("cost", "c0st"))
-    repaired, warnings = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
-    pd.testing.assert_frame_equal(first, repaired)
-    assert list(tmp_path.glob("*.damaged-1")) and len(warnings) == 1 and "set aside" in warnings[0]
-
-
-def test_a_bound_under_a_wrong_name_is_set_aside(scenarios: dict[str, Scenario], tmp_path: Path) -> None:
-    one = scenarios["single_expert"]
-    cells = [Cell("single_expert", n, "p", GreedySettings(kind="greedy"), one, 1, 2) for n in (2, 4)]
-    first, _ = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
-    two, four = sorted(tmp_path.glob("*.json"))
+    two, four = tmp_path.glob("*/*.json")
     two.write_bytes(four.read_bytes())
-    again, warnings = run_bounds(cells, tmp_path, LocalProcesses(1), lambda: None)
+    again, warnings = bounds_of(cells, tmp_path)
     pd.testing.assert_frame_equal(first, again)
     assert len(warnings) == 1 and str(two) in warnings[0] and two.with_suffix(".damaged-1").exists()
+
+
+def bounds_of(cells: list[Cell], folder: Path, processes: int = 1) -> tuple[pd.DataFrame, list[str]]:
+    jobs = bound_jobs(cells)
+    found, warnings = run_grid(jobs, folder, LocalProcesses(processes), lambda _job, _n: None)
+    return bound_rows(jobs, found), warnings
 
 
 def test_a_judge_is_sent_the_actions_it_needs(scenarios: dict[str, Scenario]) -> None:

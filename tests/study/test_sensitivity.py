@@ -35,8 +35,8 @@ from fatigue_planner.study.sensitivity.gains import gain_table, leader_table, pa
 from fatigue_planner.study.sensitivity.importance import explained_variance, importance_table, p_values
 from fatigue_planner.study.sensitivity.reactions import react, unique_requests
 from fatigue_planner.study.sensitivity.robustness import claim_table, judge, reproduced_fraction
-from fatigue_planner.study.sensitivity.run import StudyGrid
 from fatigue_planner.study.sensitivity.study import Study, load_study
+from fatigue_planner.study.sensitivity.tables import StudyGrid
 
 STUDY: dict[str, Any] = {
     "name": "tiny",

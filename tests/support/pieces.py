@@ -5,11 +5,10 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.study.benchmark.job import Job
@@ -92,8 +91,8 @@ class Deadly(Job[Squared]):
     def effort(self) -> int:
         return 1
 
-    def digest(self) -> str:
-        return "0" * 64
+    def key(self) -> str:
+        return "deadly"
 
     def trial_numbers(self) -> Sequence[int]:
         return range(20)
@@ -102,9 +101,3 @@ class Deadly(Job[Squared]):
         if self.trial in trials:
             die((self.folder, self.trial, 99))
         return {trial: Squared(square(trial)) for trial in trials}
-
-    def result_of(self, row: Mapping[str, Any]) -> Squared:
-        return Squared(**row)
-
-    def outcome(self, result: Squared) -> tuple[Any, ...]:
-        return (result.square,)

@@ -16,16 +16,13 @@ from fatigue_planner.reactions import hdf5_layout
 from fatigue_planner.reactions.archive import export_archive, import_archive
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
-from fatigue_planner.study.benchmark import bounds
-from fatigue_planner.study.benchmark.bounds import run_bounds
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.results import load_results
-from fatigue_planner.study.benchmark.runner import run_grid
+from fatigue_planner.study.benchmark.runner import TrialStore, run_grid
 from fatigue_planner.study.benchmark.selection import Selection, cells, selected
-from fatigue_planner.study.benchmark.store import TrialStore
 
 # kind -> flips in the slow test
-SLOW = {"entry": 400, "archive": 100, "trials": 200, "bound": 200, "table": 150, "actions": 150, "manifest": 300}
+SLOW = {"entry": 400, "archive": 100, "trials": 400, "table": 150, "actions": 150, "manifest": 300}
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +46,6 @@ def kept(
     export_archive(ReactionCache(cache_folder), reaction_requests(small)[:1], folder / "own.zip", "fatplan simulate")
     publish(small, reactions, folder / "results")
     run_grid(grid[:1], folder / "trials", LocalProcesses(1), lambda cell, n: None)
-    run_bounds(grid[:1], folder / "bounds", LocalProcesses(1), lambda: None)
     return folder
 
 
@@ -62,14 +58,14 @@ class Noticed:
 
     def path(self, kind: str) -> Path:
         files = {
-            "entry": "cache/*.h5", "archive": "own.zip", "trials": "trials/*/*.json", "bound": "bounds/*.json",
+            "entry": "cache/*.h5", "archive": "own.zip", "trials": "trials/*/*.json",
             "table": "results/trials.csv", "actions": "results/actions.csv", "manifest": "results/manifest.json",
         }  # fmt: skip
         return sorted(self.folder.glob(files[kind]))[0]
 
     def by(self, kind: str) -> bool:
         ways: dict[str, Callable[[], object]] = {
-            "entry": self._entry, "archive": self._archive, "trials": self._trials, "bound": self._bound,
+            "entry": self._entry, "archive": self._archive, "trials": self._trials,
         }  # fmt: skip
         try:
             return bool(ways.get(kind, self._results)())
@@ -92,16 +88,9 @@ class Noticed:
     def _trials(self) -> bool:
         store = TrialStore(self.folder / "trials")
         store.load(self._grid[0])
-        return self._aside("trials", len(store.warnings) == 1)
-
-    def _bound(self) -> bool:
-        digest = bounds.bound_digest(self._grid[0].scenario, self._grid[0].n_cycles)
-        return self._aside("bound", bounds._read(self.folder / "bounds", digest, []) is None)
-
-    def _aside(self, kind: str, noticed: bool) -> bool:
         for path in self.folder.glob("*/**/*.damaged-1"):
             path.rename(path.with_suffix(".json"))
-        return noticed
+        return len(store.warnings) == 1
 
     def _results(self) -> bool:
         load_results(self._small, self.folder / "results", COMMAND)

@@ -1,7 +1,7 @@
 """One look for all figures, and the folder they are saved in with their data, the same bytes every time."""
 
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.textpath import TextPath
 
 from fatigue_planner.core.files import publish, publish_csv
+from fatigue_planner.core.text import format_label
 
 # Okabe & Ito's palette, told apart by the colour-blind; markers tell apart without colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -71,6 +72,18 @@ def set_title(axes: Axes, text: str, size_pt: float = SETTINGS["axes.titlesize"]
 def look(index: int) -> tuple[str, str]:
     """Marker and colour of the policy with this index in the experiment's order; either tells it apart."""
     return MARKERS[index % len(MARKERS)], COLOURS[(index + index // len(MARKERS)) % len(COLOURS)]
+
+
+def mark_policies(
+    axes: Axes, shown: Sequence[str], policies: Sequence[str], marks: Mapping[str, tuple[float, Any]]
+) -> None:
+    """Give every policy shown a row, in it its mark: where it is, and how far its bar reaches (see `errorbar`)."""
+    for index, policy in enumerate(shown):
+        if policy in marks:
+            (centre, error), (marker, colour) = marks[policy], look(list(policies).index(policy))
+            axes.errorbar(centre, index, xerr=error, fmt=marker, color=colour, capsize=2.5, markersize=4.5)
+    axes.set_yticks(range(len(shown)), [format_label(policy) for policy in shown])
+    axes.set_ylim(len(shown) - 0.5, -0.5)
 
 
 @house_style()

@@ -39,10 +39,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.planners.bounds.history_classes import HistoryClasses, class_memory
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.sub_solution import cost_to_go
-from fatigue_planner.planners.bounds.task import Task, hidden_state
+from fatigue_planner.planners.bounds.task import HistoryClasses, Task, class_memory, hidden_state
 from fatigue_planner.pomdp.scenario import Scenario
 
 Vector = NDArray[np.float64]
@@ -155,5 +154,5 @@ def fingerprint(scenario: Scenario) -> dict[str, Any]:
         "states": scenario.states.tolist(),
         "weights": scenario.weights.tolist(),
         "discount": model.discount,
-        "cost": [model.arrays.cost.weight.tolist(), model.posture_cost.tolist()],
+        "cost": [model.cost.kind, model.arrays.cost.weight.tolist(), model.posture_cost.tolist()],
     }

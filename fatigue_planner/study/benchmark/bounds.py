@@ -1,26 +1,18 @@
 """The cost that no policy can beat, for every condition and number of cycles; kept, as it takes seconds."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from fatigue_planner.core.errors import LostWorkError
-from fatigue_planner.core.executors.executor import Executor, Lost
-from fatigue_planner.core.files import (
-    DIGEST_LENGTH,
-    digest_of,
-    digest_of_package,
-    publish_csv,
-    publish_with_checksum,
-    read_with_checksum,
-    remove_left_behind,
-    set_aside,
-)
+from fatigue_planner.core.files import digest_of_package, publish_csv
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.planners.bounds.cost_bound import CostBound, bound_of, fingerprint
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.tables import read_keyed
 
 BOUNDS_FILE = "bounds.csv"
@@ -30,46 +22,53 @@ BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
 SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py")
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
-CellKey = tuple[str, int]  # condition and number of cycles
+
+@dataclass(frozen=True)
+class BoundJob(Job[CostBound]):
+    """The bound of a condition, whose worker is known, for one number of cycles: its only trial is 0."""
+
+    condition: str
+    n_cycles: int
+    scenario: Scenario
+
+    result_type = CostBound
+
+    @property
+    def name(self) -> str:
+        """See Job.name."""
+        return f"the bound of {self.condition}/{self.n_cycles}"
+
+    @property
+    def effort(self) -> int:
+        """See Job.effort."""
+        return self.n_cycles
+
+    def key(self) -> Any:
+        """See Job.key."""
+        sources, libraries = digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)
+        return [fingerprint(self.scenario), self.n_cycles, sources, libraries]
+
+    def trial_numbers(self) -> range:
+        """See Job.trial_numbers."""
+        return range(1)
+
+    def run(self, trials: Sequence[int]) -> dict[int, CostBound]:
+        """See Job.run."""
+        return {trial: bound_of(self.scenario, self.n_cycles) for trial in trials}
 
 
-def run_bounds(
-    cells: Sequence[Cell], folder: Path, executor: Executor, progress: Callable[[], None]
-) -> tuple[pd.DataFrame, list[str]]:
-    """One row per condition and number of cycles with a known worker, and warnings about damaged files.
-
-    The columns are condition, n_cycles, cost_bound, exact. Bounds already in the folder are not computed again.
-    `progress` hears of each. What killed runs have left behind there is removed. Raises OutputFolderError,
-    LostWorkError.
-    """
-    remove_left_behind(folder)
+def bound_jobs(cells: Sequence[Cell]) -> list[BoundJob]:
+    """The bounds of the conditions and numbers of cycles with a known worker."""
     scenarios = {(cell.condition, cell.n_cycles): cell.scenario for cell in cells if cell.scenario.prior is None}
-    found: dict[CellKey, tuple[float, bool]] = {}
-    missing: list[tuple[CellKey, Scenario]] = []
-    warnings: list[str] = []
-    for key, scenario in scenarios.items():
-        kept = _read(folder, bound_digest(scenario, key[1]), warnings)
-        if kept is None:
-            missing.append((key, scenario))
-        else:
-            found[key] = kept
-            progress()
-    missing.sort(key=lambda part: -part[0][1])  # the longest first
-    lost = []
-    for index, bound in executor.run(_bound, missing):
-        key, scenario = missing[index]
-        if isinstance(bound, Lost):
-            lost.append(f"the bound of {key[0]}, {key[1]} cycles: {bound.reason}.")
-            continue
-        digest = bound_digest(scenario, key[1])
-        content = {"digest": digest, "n_cycles": key[1], "cost_bound": bound.cost, "exact": bound.exact}
-        publish_with_checksum(_path(folder, digest), content)
-        found[key] = bound.cost, bound.exact
-        progress()
-    if lost:
-        raise LostWorkError("\n".join(lost))
-    rows = [(condition, n_cycles, *found[condition, n_cycles]) for condition, n_cycles in scenarios]
-    return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"]), warnings
+    return [BoundJob(*key, scenario) for key, scenario in scenarios.items()]
+
+
+def bound_rows(jobs: Sequence[BoundJob], results: Sequence[Mapping[int, CostBound]]) -> pd.DataFrame:
+    """One row per bound: condition, n_cycles, cost_bound, exact."""
+    rows = [
+        (job.condition, job.n_cycles, found[0].cost, found[0].exact) for job, found in zip(jobs, results, strict=True)
+    ]
+    return pd.DataFrame(rows, columns=["condition", "n_cycles", "cost_bound", "exact"])
 
 
 def read_bounds(folder: Path, command: str) -> pd.DataFrame:
@@ -80,30 +79,3 @@ def read_bounds(folder: Path, command: str) -> pd.DataFrame:
 def publish_bounds(folder: Path, table: pd.DataFrame) -> None:
     """Write bounds.csv."""
     publish_csv(folder / BOUNDS_FILE, table[CELL + BOUND_COLUMNS])
-
-
-def bound_digest(scenario: Scenario, n_cycles: int) -> str:
-    """Key of a bound: everything that decides it."""
-    return digest_of([fingerprint(scenario), n_cycles, digest_of_package(*SOURCES), versions_of(*NUMERICAL_LIBRARIES)])
-
-
-def _path(folder: Path, digest: str) -> Path:
-    return folder / f"{digest[:DIGEST_LENGTH]}.json"
-
-
-def _bound(part: tuple[CellKey, Scenario]) -> CostBound:
-    (_, n_cycles), scenario = part
-    return bound_of(scenario, n_cycles)
-
-
-def _read(folder: Path, digest: str, warnings: list[str]) -> tuple[float, bool] | None:
-    """A kept bound; a damaged file, or one under a wrong name, is set aside with a warning."""
-    path = _path(folder, digest)
-    if not path.exists():
-        return None
-    content = read_with_checksum(path)
-    if content is None or content.get("digest") != digest:
-        set_aside(path)
-        warnings.append(f"{path}: is damaged; it is set aside and its bound computed again.")
-        return None
-    return float(content["cost_bound"]), bool(content["exact"])

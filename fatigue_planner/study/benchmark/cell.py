@@ -1,13 +1,12 @@
 """The cells of a benchmark."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from fatigue_planner.core.files import digest_of, digest_of_package
+from fatigue_planner.core.files import digest_of_package
 from fatigue_planner.core.plugins import plugin_sources
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
@@ -37,6 +36,8 @@ class Cell(Job[TrialResult]):
     seed: int
     trials: int
 
+    result_type = TrialResult
+
     @property
     def name(self) -> str:
         """See Job.name."""
@@ -47,21 +48,15 @@ class Cell(Job[TrialResult]):
         """See Job.effort."""
         return self.n_cycles
 
-    def digest(self) -> str:
-        """See Job.digest."""
-        return self._digest
-
-    @cached_property
-    def _digest(self) -> str:
-        return digest_of(
-            {
-                "cell": [self.condition, self.n_cycles, self.policy, self.seed],
-                "policy": self.settings.plain() | plugin_sources(type(self.settings)),
-                "scenario": self.scenario.digest,
-                "sources": digest_of_package(*SOURCES),
-                "versions": versions_of(*NUMERICAL_LIBRARIES),
-            }
-        )
+    def key(self) -> Any:
+        """See Job.key."""
+        return {
+            "cell": [self.condition, self.n_cycles, self.policy, self.seed],
+            "policy": self.settings.plain() | plugin_sources(type(self.settings)),
+            "scenario": self.scenario.digest,
+            "sources": digest_of_package(*SOURCES),
+            "versions": versions_of(*NUMERICAL_LIBRARIES),
+        }
 
     def is_deterministic(self) -> bool:
         """Whether every run is the same (paper, footnote 4): no chance in task or policy."""
@@ -83,14 +78,6 @@ class Cell(Job[TrialResult]):
                 self.scenario, policy, self.settings.knows, self.n_cycles, random_numbers, planner
             )
         return results
-
-    def result_of(self, row: Mapping[str, Any]) -> TrialResult:
-        """See Job.result_of."""
-        return TrialResult(**{**row, "actions": tuple(row["actions"])})
-
-    def outcome(self, result: TrialResult) -> tuple[Any, ...]:
-        """See Job.outcome."""
-        return result.discounted_return, result.final_cost, result.peak_cost, result.actions
 
     def _load_compiled_code(self, trials: Sequence[int]) -> None:
         """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""

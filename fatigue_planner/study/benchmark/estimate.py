@@ -9,7 +9,7 @@ import numpy as np
 
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.study.benchmark.cell import Cell
-from fatigue_planner.study.benchmark.store import TrialStore
+from fatigue_planner.study.benchmark.runner import TrialStore
 
 # So many cells are timed, each for so many cycles.
 TIMED_CELLS = 200

@@ -1,14 +1,22 @@
-"""Numbered pieces of work whose results are kept on disk: the runs of a cell, or the judging of them."""
+"""Numbered pieces of work whose results are kept on disk: the runs of a cell, the judging of them, a bound."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from typing import Any, Generic, Self, TypeVar
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
+from fatigue_planner.core.files import digest_of
 
 T = TypeVar("T")
 
 
 class Job(ABC, Generic[T]):
-    """One result of type T, a dataclass, for each of some trials."""
+    """One result of type T, the dataclass `result_type`, for each of some trials.
+
+    What its comparison leaves out, such as times, may differ when a trial is repeated.
+    """
+
+    result_type: ClassVar[type[Any]]
 
     @property
     @abstractmethod
@@ -21,29 +29,29 @@ class Job(ABC, Generic[T]):
         """What a trial costs in comparison with other jobs of the same run, in cycles."""
 
     @abstractmethod
-    def digest(self) -> str:
-        """Key of the results: everything that decides them but the trial's number."""
+    def key(self) -> Any:
+        """Everything that decides the results but the trial's number, as JSON values."""
 
     @abstractmethod
     def trial_numbers(self) -> Sequence[int]:
         """The trials to do."""
 
-    def part(self, trials: Sequence[int]) -> Self:
-        """The job with what it takes to do these trials: what is sent to a worker."""
-        return self
-
     @abstractmethod
     def run(self, trials: Sequence[int]) -> dict[int, T]:
         """Do some trials."""
 
-    @abstractmethod
-    def result_of(self, row: Mapping[str, Any]) -> T:
-        """The result that a file holds as JSON values. Raises KeyError, TypeError or ValueError if it is none."""
+    def part(self, trials: Sequence[int]) -> Self:
+        """The job with what it takes to do these trials: what is sent to a worker."""
+        return self
 
     def accepts(self, trial: int, result: T) -> bool:
         """Whether a result found is of what the job is about now; else it is done again."""
         return True
 
-    @abstractmethod
-    def outcome(self, result: T) -> tuple[Any, ...]:
-        """What must be equal when a trial is repeated; times never are."""
+    def digest(self) -> str:
+        """SHA-256 of the key, under which results are kept."""
+        return self._digest
+
+    @cached_property
+    def _digest(self) -> str:
+        return digest_of(self.key())

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -46,6 +45,8 @@ class RegretJob(Job[Regret]):
     reference: ReferenceSettings
     actions: Mapping[int, Sequence[int]]
 
+    result_type = Regret
+
     @property
     def name(self) -> str:
         """See Job.name."""
@@ -56,13 +57,9 @@ class RegretJob(Job[Regret]):
         """See Job.effort."""
         return self.cell.n_cycles
 
-    def digest(self) -> str:
-        """See Job.digest."""
-        return self._digest
-
-    @cached_property
-    def _digest(self) -> str:
-        return digest_of([self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *REGRET_SOURCES)])
+    def key(self) -> Any:
+        """See Job.key."""
+        return [self.cell.digest(), self.reference.plain(), digest_of_package(*SOURCES, *REGRET_SOURCES)]
 
     def trial_numbers(self) -> range:
         """See Job.trial_numbers."""
@@ -76,17 +73,9 @@ class RegretJob(Job[Regret]):
         """See Job.run."""
         return {trial: self._regret(trial) for trial in trials}
 
-    def result_of(self, row: Mapping[str, Any]) -> Regret:
-        """See Job.result_of."""
-        return Regret(**row)
-
     def accepts(self, trial: int, result: Regret) -> bool:
         """See Job.accepts: a policy with a time budget may act otherwise when run again; a grid may be smaller."""
         return trial in self.actions and result.judged == digest_of(list(self.actions[trial]))
-
-    def outcome(self, result: Regret) -> tuple[Any, ...]:
-        """See Job.outcome."""
-        return result.decision_loss, result.run_loss, result.agreement
 
     def _regret(self, trial: int) -> Regret:
         cell, actions = self.cell, self.actions[trial]

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,13 +17,16 @@ from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 
 @dataclass(frozen=True)
 class TrialResult:
-    """What a run came to, and the number of the action of every cycle. Times are wall-clock seconds per decision."""
+    """What a run came to, and the number of the action of every cycle.
+
+    Times are wall-clock seconds per decision, which are never the same twice.
+    """
 
     discounted_return: float
     final_cost: float
     peak_cost: float
-    mean_planning_time_s: float
-    longest_planning_time_s: float
+    mean_planning_time_s: float = field(compare=False)
+    longest_planning_time_s: float = field(compare=False)
     actions: tuple[int, ...]
 
 

@@ -1,8 +1,9 @@
-"""What the runs of a benchmark make of claims: pure functions of tables."""
+"""What the runs of a benchmark make of claims: pure functions of tables, and the tables for people to read."""
 
-from collections.abc import Mapping, Sequence
+import textwrap
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -11,10 +12,11 @@ from fatigue_planner.study.claims.analysis import Analysis
 from fatigue_planner.study.claims.headroom import Headrooms
 from fatigue_planner.study.claims.measurements import Measurements
 from fatigue_planner.study.claims.relations import RELATIONS, ClaimJudgement, PairJudgement
-from fatigue_planner.study.claims.schema import Answer, Claim
+from fatigue_planner.study.claims.schema import VERDICTS, Answer, Claim
 
 CLAIMS_FILE = "claims.csv"
 DETAIL_FILE = "claims_detail.csv"
+INDENT = "    "  # of the lines below a claim's title
 MAX_SHOWN = 3  # comparisons whose numbers stand beside a claim
 
 CONTRAST_COLUMNS = [
@@ -157,3 +159,53 @@ def _headroom_text(decisive: Sequence[PairJudgement], headrooms: Headrooms | Non
             cell = f"{pair.condition}, {pair.n_cycles} cycles"
             found.setdefault((*pair.cell, pair.second), f"{cell}: {headroom.in_words(pair.second)}")
     return ". ".join(list(found.values())[:MAX_SHOWN]) or "not known: no bound for these conditions"
+
+
+def claims_text(table: pd.DataFrame, width: int) -> str:
+    """The table of `tables.claims_table`, a block per claim, wrapped to a width in characters; counts come last."""
+    blocks = [_block(row, width) for row in table.to_dict("records")]
+    return "\n\n".join([*blocks, _counts(table)]) + "\n"
+
+
+def _block(row: Mapping[Hashable, Any], width: int) -> str:
+    title = f"{row['claim']} (section {row['place']}): {row['verdict'].upper()}; by the paper's own test "
+    lines = [
+        f"“{row['quote']}”",
+        f"Read as: {row['interpretation']}" if row["interpretation"] else "",
+        f"{row['relation']}: {_listed(row['policies'])}{_others(row)}",
+        f"Why: {row['reason']}.",
+        f"Numbers (difference of the returns in % of the cost): {row['numbers']}." if row["numbers"] else "",
+        f"Paper's own test: {row['paper_reason']}." if row["paper_reason"] != row["reason"] else "",
+        f"Headroom: {row['room_to_win']}." if row["room_to_win"] else "",
+    ]
+    wrapped = [_wrap(title + row["paper_verdict"], width, "")]
+    wrapped += [_wrap(line, width, INDENT) for line in lines if line]
+    return "\n".join(wrapped)
+
+
+def _wrap(line: str, width: int, indent: str) -> str:
+    together = line.replace(" %", "\u00a0%")  # a no-break space, so that no number loses its unit
+    return textwrap.fill(
+        together, width, initial_indent=indent, subsequent_indent=INDENT, break_on_hyphens=False, break_long_words=False
+    )
+
+
+def _others(row: Mapping[Hashable, Any]) -> str:
+    against = f" | {_listed(row['others'])}" if row["others"] else ""
+    return f"{against} ({_listed(row['conditions'])}; {_listed(row['n_cycles'])} cycles)"
+
+
+def _listed(names: str) -> str:
+    return ", ".join(names.split())
+
+
+def _counts(table: pd.DataFrame) -> str:
+    return (
+        f"{len(table)} claims: {_count(table['verdict'])}.\nBy the paper's own test of the same runs: "
+        f"{_count(table['paper_verdict'])}."
+    )
+
+
+def _count(verdicts: pd.Series) -> str:
+    counts = verdicts.value_counts()
+    return ", ".join(f"{counts.get(name, 0)} {name}" for name in VERDICTS)

@@ -1,10 +1,14 @@
-"""The tables of a study."""
+"""The cells that a study runs, and its tables."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import pandas as pd
 
+from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.selection import cells
+from fatigue_planner.study.benchmark.tables import ACTIONS, TIMES, trial_table
+from fatigue_planner.study.benchmark.trial import TrialResult
 from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.factors import level_text
 from fatigue_planner.study.sensitivity.gains import gain_table, leader_table
@@ -12,6 +16,36 @@ from fatigue_planner.study.sensitivity.importance import importance_table
 from fatigue_planner.study.sensitivity.reactions import Reacted
 from fatigue_planner.study.sensitivity.robustness import VerdictsOf, claim_table
 from fatigue_planner.study.sensitivity.study import Study
+
+
+class StudyGrid:
+    """The cells of all points that can be performed.
+
+    cells: every different cell once; of_point: by point, in the grid's order, the indices of its cells.
+    """
+
+    def __init__(self, reacted: Sequence[Reacted]) -> None:
+        indices: dict[str, int] = {}
+        self.cells: list[Cell] = []
+        self.of_point: dict[str, list[int]] = {}
+        for result in reacted:
+            if result.point.experiment is None or result.profiles is None:
+                continue
+            own = cells(result.point.experiment, result.profiles)
+            for cell in own:
+                digest = cell.digest()
+                if digest not in indices:
+                    indices[digest] = len(self.cells)
+                    self.cells.append(cell)
+                self.of_point.setdefault(result.point.name, []).append(indices[digest])
+
+    def tables(self, results: Sequence[dict[int, TrialResult]]) -> Mapping[str, pd.DataFrame]:
+        """The trials of every point, as `benchmark.tables.trial_table` without times, from the results of the cells."""
+        tables = {
+            point: trial_table([self.cells[index] for index in indices], [results[index] for index in indices])
+            for point, indices in self.of_point.items()
+        }
+        return {point: table.drop(columns=[ACTIONS, *TIMES]) for point, table in tables.items()}
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,23 @@
-"""Fatigue over the cycles, what the fatigue law forgets, and what it says cannot be done."""
+"""Fatigue over the cycles, by group of joints and policy."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from fatigue_planner.core.text import format_label, listing, percent, significant
-from fatigue_planner.fatigue.capacity import Capacity, capacity
-from fatigue_planner.fatigue.entries import JOINT_GROUPS
-from fatigue_planner.fatigue.parameters import FatigueParameters
-from fatigue_planner.human.skeleton import without_side
-from fatigue_planner.output.figures.fatigue_course import SMOOTHED_CYCLES, fatigue_figure, fatigue_table, most_tired
-from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.figures.torques import entry_label
-from fatigue_planner.output.reports.html.blocks import Block, Points, Section, Table, Text
+from fatigue_planner.core.text import format_label, listing, percent
+from fatigue_planner.fatigue.entries import highest_fatigue
+from fatigue_planner.output.figures.style import LINES, FigureFolder, house_style, look, new_figure, set_title
+from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.reactions.reaction import ReactionName
+from fatigue_planner.output.reports.results.sections.law_limits import law_limits
 
-# A break forgets nearly all after this many half-lives: a hundredth is left.
-FORGOTTEN_HALF_LIVES = math.log2(100)
+Array = NDArray[np.float64]
+
+SHOWN = 4  # groups of joints: those most tired at the end
+SMOOTHED_CYCLES = 10  # fatigue goes up and down with every action; the trend is what tells policies apart
 
 
 def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
@@ -47,89 +46,71 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
             f"({format_label(str(mean.idxmax()))})"
         )
     alternative = f"after {longest} cycles, averaged over the conditions, " + listing(sentences) + "."
-    parameters = next(iter(report_data.fatigue.values()))  # workers differ in strength only
-    blocks: list[Block] = [
-        figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative),
-        *forgetting(parameters),
-        *_shortfalls(report_data),
-    ]
-    return Section("Fatigue over the cycles", blocks)
-
-
-def forgetting(parameters: FatigueParameters) -> Iterator[Block]:
-    """How fast the law forgets fatigue at rest, joint by joint, and what cannot matter under it."""
-    rates = parameters.law.rest_rate(parameters)
-    slowest = {without_side(group): indices[rates[indices].argmin()] for group, indices in JOINT_GROUPS.items()}
-    half_lives = {joint: math.log(2) / rates[entry] for joint, entry in slowest.items()}
-    shortest, longest = min(half_lives.values()), max(half_lives.values())
-    times = f"{significant(longest, 2)} s at every joint"
-    if shortest < longest:
-        times = f"{significant(shortest, 2)} to {significant(longest, 2)} s, depending on the joint"
-    yield Text(
-        f"Under the fatigue law {parameters.law.kind} fatigue halves at rest in {times}; after "
-        f"{significant(FORGOTTEN_HALF_LIVES * longest / 60, 2)} minutes of rest less than 1 % of it is left. So longer "
-        "breaks, the order of tasks over hours and the length of a shift cannot matter in these results."
+    return Section(
+        "Fatigue over the cycles",
+        [
+            figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative),
+            *law_limits(report_data),
+        ],
     )
-    if shortest < longest:
-        rows = [
-            [
-                format_label(joint),
-                significant(parameters.fatigue_rate[entry]),
-                significant(rates[entry]),
-                significant(half_lives[joint], 2),
-            ]
-            for joint, entry in slowest.items()
-        ]
-        header = ["joint", "fatigue rate, 1/s", "recovery at rest, 1/s", "half-life, s"]
-        yield Table("How fast each joint tires and recovers.", header, rows)
 
 
-def _shortfalls(report_data: ReportData) -> Iterator[Block]:
-    """Which loads exceed what is left, in every reaction repeated from rest and in the longest runs."""
-    capacities = {
-        reaction.name: capacity(reaction.motion, report_data.fatigue[reaction.name.worker])
-        for reaction in report_data.reactions
-    }
-    found = {name: own.if_repeated() for name, own in capacities.items()}
-    lines = [
-        f"{name}: in cycle {short.cycle} {entry_label(short.entry)}, {short.time_s:.1f} s after its beginning"
-        for name, short in found.items()
-        if short is not None
-    ]
-    if not lines:
-        yield Text("No reaction, however often it is repeated, asks a joint for more than is left of its strength.")
-        return
-    yield Text(
-        f"{len(lines)} of {len(found)} reactions, repeated from rest, come to ask a joint for more than is left of its "
-        "strength: from there on they cannot be done as asked, and the law describes what nobody could do."
-    )
-    yield Points(lines)
-    rows = list(_unmet_runs(report_data, capacities))
-    if rows:
-        header = ["condition", "policy", "cycles that ask too much", "first", "joint"]
-        caption = (
-            f"Runs of {report_data.longest} cycles in which a load exceeds what is left, where the worker is known."
-        )
-        yield Table(caption, header, rows)
+def fatigue_table(fatigue: Mapping[tuple[str, str], Array]) -> pd.DataFrame:
+    """The most tired entry of every group after every cycle, mean over runs.
+
+    fatigue: (runs, cycles, 78) by condition and policy.
+    """
+    frames = []
+    for (condition, policy), courses in fatigue.items():
+        for group, highest in highest_fatigue(courses).items():
+            mean = highest.mean(axis=0)
+            frames.append(
+                pd.DataFrame(
+                    {
+                        "condition": condition, "policy": policy, "joint_group": group,
+                        "cycle": np.arange(1, mean.size + 1), "highest_fatigue": mean,
+                    }
+                )
+            )  # fmt: skip
+    return pd.concat(frames, ignore_index=True)
 
 
-def _unmet_runs(report_data: ReportData, capacities: Mapping[ReactionName, Capacity]) -> Iterator[list[str]]:
-    """For every condition and policy with such runs: the share of cycles, and the first of any run with its joint."""
-    conditions = report_data.experiment.benchmark.conditions
-    for (condition, n_cycles, policy), runs in report_data.courses.items():
-        if n_cycles != report_data.longest or conditions[condition].hidden_worker is not None:
-            continue
-        worker, short, total = report_data.experiment.worker_of(conditions[condition]), [], 0
-        for course in runs:
-            starts = [course.start, *course.fatigue[:-1]]
-            for number, (start, (action, preference)) in enumerate(zip(starts, course.reactions, strict=True), 1):
-                total += 1
-                own = capacities[ReactionName(worker, action, preference)]
-                if (start > own.highest_start).any():
-                    short.append((number, own.first_shortfall(start, number)))
-        if short:
-            number, first = min(short, key=lambda pair: pair[0])
-            assert first is not None
-            when = f"cycle {number}, {first.time_s:.1f} s"
-            share = percent(len(short) / total, 0)
-            yield [format_label(condition), format_label(policy), share, when, entry_label(first.entry)]
+def most_tired(table: pd.DataFrame) -> list[str]:
+    """The groups with the highest fatigue after the last cycle, over all conditions and policies."""
+    last = table[table["cycle"] == table["cycle"].max()]
+    mean = last.groupby("joint_group", sort=False)["highest_fatigue"].mean()
+    return [str(group) for group in mean.sort_values(ascending=False, kind="stable").index[:SHOWN]]
+
+
+@house_style()
+def fatigue_figure(table: pd.DataFrame, policies: Sequence[str]) -> Figure:
+    """One row of panels per condition, one column for each of the most tired groups, one line per policy."""
+    conditions, groups = list(dict.fromkeys(table["condition"])), most_tired(table)
+    figure = new_figure(7.2, 1.75 * len(conditions) + 0.9)
+    axes = figure.subplots(len(conditions), len(groups), squeeze=False, sharex=True, sharey="col")
+    by_line = dict(list(table.groupby(["condition", "joint_group", "policy"], sort=False)))
+    for row, condition in enumerate(conditions):
+        for column, group in enumerate(groups):
+            panel = axes[row, column]
+            for index, policy in enumerate(policies):
+                line = by_line.get((condition, group, policy))
+                if line is None:
+                    continue
+                marker, colour = look(index)
+                every = max(len(line) // 5, 1)
+                trend = line["highest_fatigue"].rolling(SMOOTHED_CYCLES, min_periods=1).mean()
+                panel.plot(
+                    line["cycle"], trend, color=colour, marker=marker, markersize=3.5,
+                    markevery=(index * every // len(policies), every), linewidth=1, linestyle=LINES[index % len(LINES)],
+                    label=format_label(policy),
+                )  # fmt: skip
+            if row == 0:
+                set_title(panel, format_label(group))
+            if column == 0:
+                panel.set_ylabel(format_label(condition))
+    for panel in axes[-1]:
+        panel.set_xlabel("cycle")
+    figure.supylabel("fatigue, mean over runs", fontsize=9)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4), frameon=False, fontsize=8)
+    return figure

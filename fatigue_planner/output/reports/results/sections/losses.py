@@ -1,17 +1,20 @@
 """What the decisions lose against the exact reference, and the cost that no policy can beat."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import pandas as pd
+from matplotlib.figure import Figure
+
 from fatigue_planner.core.text import format_label, listing, percent, significant
-from fatigue_planner.output.figures.regret import regret_figure
-from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.figures.style import FigureFolder, house_style, mark_policies, new_figure, set_title
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.reference import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE
 from fatigue_planner.study.statistics.pairing import cells_of, groups_of, records
 
+WIDE = 2  # standard errors that a bar reaches to either side
 HOW = "This was not measured; `fatplan benchmark --regret --bound` adds it."
 
 
@@ -82,3 +85,37 @@ def headroom(row: Mapping[str, Any]) -> str:
     fraction, error = row["gap"] / (1 + row["gap"]), row["standard_error"] / (1 + row["gap"]) ** 2
     spread = f" ± {percent(error)}" if error > 0 else ""
     return f"{percent(fraction)}{spread}"
+
+
+@house_style()
+def regret_figure(regrets: pd.DataFrame, n_cycles: int, policies: Sequence[str]) -> Figure:
+    """Loss per run as share of its cost, one panel per condition, for one number of cycles.
+
+    `regrets` is the table of `statistics.regret`.
+    """
+    table = regrets[regrets["n_cycles"] == n_cycles]
+    conditions = list(dict.fromkeys(table["condition"]))
+    figure = new_figure(7.2, 0.8 + 0.2 * len(policies))
+    axes = figure.subplots(1, len(conditions), squeeze=False, sharey=True, sharex=True)[0]
+    for panel, condition in zip(axes, conditions, strict=True):
+        cell = table[table["condition"] == condition].set_index("policy")
+        marks = {}
+        for index, policy in enumerate(policies):
+            if policy not in cell.index:
+                continue
+            row = cell.loc[policy]
+            loss, scale = 100 * row["run_loss_share"], row["run_loss_share"] / row["run_loss"] if row["run_loss"] else 0
+            spread = 100 * row["run_loss_standard_error"] * scale
+            marks[policy] = loss, WIDE * spread if spread > 0 else None
+            panel.annotate(
+                f"{loss:.2g}" if loss else "0", (loss + WIDE * max(spread, 0), index), (5, 0),
+                textcoords="offset points", va="center", fontsize=7,
+            )  # fmt: skip
+        mark_policies(panel, policies, policies, marks)
+        set_title(panel, f"{format_label(condition)}, {n_cycles} cycles")
+        panel.margins(x=0.2)
+    axes[0].set_xlim(left=0)
+    figure.supxlabel(
+        f"lost by the decisions of a run, % of its cost (bars: ±{WIDE:g} standard errors of the mean)", fontsize=9
+    )
+    return figure

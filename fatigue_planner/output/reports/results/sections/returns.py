@@ -1,17 +1,28 @@
-"""The returns: the paper's figure, and the same data as estimates with intervals."""
+"""The returns: the paper's Figure 5, and the same runs as estimates of what each policy costs above one of them."""
 
+from collections.abc import Sequence
+
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range, significant
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.output.figures.estimates import estimate_figure, estimate_table
-from fatigue_planner.output.figures.returns import returns_figure
-from fatigue_planner.output.figures.style import FigureFolder, Picture
+from fatigue_planner.output.figures.style import (
+    FigureFolder,
+    Picture,
+    house_style,
+    look,
+    mark_policies,
+    new_figure,
+    set_title,
+)
 from fatigue_planner.output.reports.html.blocks import Block, Section, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.results import CONTRASTS_FILE
 from fatigue_planner.study.statistics.comparison import STARS
-from fatigue_planner.study.statistics.contrast import Verdict, contrasts_in
+from fatigue_planner.study.statistics.contrast import Verdict, contrast_of, contrasts_in, is_compared
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
@@ -94,3 +105,90 @@ def _counts(report_data: ReportData, file: str) -> str:
         f"finds a difference in {papers} of {len(both)}. All numbers of every comparison (intervals by t and "
         f"bootstrap, permutation test, effect sizes, smallest detectable difference) are in `{file}`."
     )
+
+
+@house_style()
+def returns_figure(comparison: pd.DataFrame, conditions: Sequence[str], policies: Sequence[str]) -> Figure:
+    """Panels of mean ± standard deviation: one row per condition, one column per number of cycles.
+
+    `comparison` is the table of `statistics.comparison`; policies are in the order of their means,
+    with the verdict of the test against the next one between them.
+    """
+    lengths = list(dict.fromkeys(comparison["n_cycles"]))
+    figure = new_figure(3.3 * len(lengths) + 0.4, 2.9 * len(conditions))
+    axes = figure.subplots(len(conditions), len(lengths), squeeze=False)
+    for row, condition in enumerate(conditions):
+        for column, n_cycles in enumerate(lengths):
+            cell = comparison[(comparison["condition"] == condition) & (comparison["n_cycles"] == n_cycles)]
+            _panel(axes[row, column], cell, list(policies))
+            set_title(axes[row, column], f"{format_label(condition)}, $n_{{cycles}}$ = {n_cycles}")
+        axes[row, 0].set_ylabel("discounted accumulated reward\n(mean ± standard deviation)")
+    return figure
+
+
+def _panel(axes: Axes, cell: pd.DataFrame, policies: list[str]) -> None:
+    low = (cell["mean"] - cell["standard_deviation"]).min()
+    high = (cell["mean"] + cell["standard_deviation"]).max()
+    span = high - low or abs(high) or 1.0
+    rows = cell.to_dict("records")
+    for index, row in enumerate(rows):
+        marker, colour = look(policies.index(row["policy"]))
+        error = row["standard_deviation"] or None
+        axes.errorbar(index, row["mean"], yerr=error, fmt=marker, color=colour, capsize=3, markersize=5)
+    tops = [row["mean"] + row["standard_deviation"] for row in rows]
+    for index, row in enumerate(rows[:-1]):
+        if not np.isnan(row["p_value"]):
+            height = max(tops[index : index + 2]) + (0.05 + 0.06 * (index % 2)) * span
+            foot = height - 0.01 * span
+            axes.plot([index, index, index + 1, index + 1], [foot, height, height, foot], color="0.3", linewidth=0.7)
+            axes.text(index + 0.5, height, row["verdict"], ha="center", va="bottom", fontsize=7)
+    axes.set_xticks(range(len(rows)), [format_label(row["policy"]) for row in rows], rotation=40, ha="right")
+    axes.set_xlim(-0.6, len(rows) - 0.4)
+    axes.set_ylim(low - 0.08 * span, high + 0.25 * span)
+    axes.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
+
+
+def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -> pd.DataFrame:
+    """Cost of every policy minus the anchor's with the same random numbers, as a fraction of the anchor's.
+
+    With its interval; positive: costs more than the anchor. Pairs that no family compares are left out.
+    """
+    rows = []
+    for condition, n_cycles, cell in cells_of(trials):
+        for policy in dict.fromkeys(cell["policy"]):
+            if not is_compared(contrasts, condition, n_cycles, policy, anchor):
+                continue
+            found = contrast_of(contrasts, condition, n_cycles, policy, anchor)
+            cost = -found.second_mean or np.nan
+            rows.append(
+                {
+                    "condition": condition, "n_cycles": n_cycles, "policy": policy, "anchor": anchor,
+                    "extra_cost_share": -found.difference / cost, "low_share": -found.t_high / cost,
+                    "high_share": -found.t_low / cost, "note": found.note,
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+@house_style()
+def estimate_figure(table: pd.DataFrame, margin: float, policies: Sequence[str]) -> Figure:
+    """Panels of intervals: one row per condition, one column per number of cycles; the margin is shaded."""
+    conditions, lengths = list(dict.fromkeys(table["condition"])), list(dict.fromkeys(table["n_cycles"]))
+    shown = [policy for policy in policies if policy in set(table["policy"])]
+    figure = new_figure(7.2, len(conditions) * (0.75 + 0.19 * len(shown)) + 0.4)
+    axes = figure.subplots(len(conditions), len(lengths), squeeze=False, sharey=True)
+    for row, condition in enumerate(conditions):
+        for column, n_cycles in enumerate(lengths):
+            cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)].set_index("policy")
+            axes[row, column].axvspan(-100 * margin, 100 * margin, color="0.9", zorder=0, linewidth=0)
+            axes[row, column].axvline(0, color="0.4", linewidth=0.8)
+            estimates = 100 * cell[["extra_cost_share", "low_share", "high_share"]].astype(float)
+            marks = {
+                str(policy): (centre, None if np.isnan(low) else [[centre - low], [high - centre]])
+                for policy, centre, low, high in estimates.itertuples()
+            }
+            mark_policies(axes[row, column], shown, policies, marks)
+            set_title(axes[row, column], f"{format_label(str(condition))}, {n_cycles} cycles")
+    anchor = format_label(str(table["anchor"].iloc[0]))
+    figure.supxlabel(f"cost above that of {anchor}, % of it (shaded: ±{100 * margin:g} %, equivalent)", fontsize=9)
+    return figure

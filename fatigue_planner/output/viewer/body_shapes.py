@@ -1,9 +1,10 @@
-"""The rounded parts a body is modelled from; they are for the eye only, the mechanics knows nothing of them."""
+"""The shapes of a body, one convex hull per segment; for the eye only, the mechanics knows nothing of them."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from fatigue_planner.human.anthropometry import Anthropometry
 from fatigue_planner.human.skeleton import SIDES
@@ -14,37 +15,19 @@ Point = tuple[float, float, float]
 # The build of which the girths below are drawn: 75 kg at 1.75 m.
 _REFERENCE_KG_PER_M = 75 / 1.75
 _SLENDER = ("head", "hand", "foot")  # bodies whose girth does not follow the mass
+_RINGS, _PER_RING = 13, 24  # points of a sphere
 
 
 @dataclass(frozen=True)
-class Part:
-    """A cone with round ends from `start` to `end`, (3,) m in the body's frame, squeezed across.
+class Shape:
+    """Vertices (n, 3) m in the body's frame and triangles (m, 3), seen from outside anticlockwise."""
 
-    `start_radius` and `end_radius` in m; `squeeze` (3,) multiplies the extent along x, y and z about the start.
-    """
-
-    body: str
-    start: Vector
-    end: Vector
-    start_radius: float
-    end_radius: float
-    squeeze: Vector
-
-    def distance(self, points: Vector) -> Vector:
-        """Signed distance in m of points (n, 3) in the body's frame, exact where nothing is squeezed."""
-        place = (points - self.start) / self.squeeze
-        along = (self.end - self.start) / self.squeeze
-        length_squared = float(along @ along)
-        share = np.clip(place @ along / length_squared, 0, 1) if length_squared > 0 else np.zeros(len(points))
-        radius = self.start_radius + share * (self.end_radius - self.start_radius)
-        away = np.linalg.norm(place - share[:, None] * along, axis=1)
-        # the gradient's length turns the squeezed distance into one along the surface's normal
-        normal = (place - share[:, None] * along) / np.maximum(away, 1e-9)[:, None] / self.squeeze
-        return np.asarray((away - radius) / np.maximum(np.linalg.norm(normal, axis=1), 1e-9))
+    vertices: Vector
+    faces: NDArray[np.int64]
 
 
-# Shares of stature: body: (start, end, start radius, end radius, squeeze). A part of a limb is that of
-# the right one; y changes its sign on the left.
+# Shares of stature: body: the pairs of spheres its hull holds: (start, end, start radius, end radius, squeeze); the
+# squeeze multiplies the radii along x, y and z. A limb is the right one; y changes its sign on the left.
 _Row = tuple[Point, Point, float, float, Point]
 _ROUND: Point = (1, 1, 1)
 _TRUNK: dict[str, tuple[_Row, ...]] = {
@@ -101,23 +84,33 @@ _LIMBS: dict[str, tuple[_Row, ...]] = {
 }
 
 
-def body_parts(anthropometry: Anthropometry) -> tuple[Part, ...]:
-    """The parts of a worker: lengths follow the stature, girths the mass."""
+def body_shapes(anthropometry: Anthropometry) -> dict[str, Shape]:
+    """The shape of every body of a worker: lengths follow the stature, girths the mass."""
+    shapes = {body: _shape(body, rows, anthropometry, 1.0) for body, rows in _TRUNK.items()}
+    for side, mirror in zip(SIDES, (1.0, -1.0), strict=True):
+        shapes |= {f"{side}_{body}": _shape(body, rows, anthropometry, mirror) for body, rows in _LIMBS.items()}
+    return shapes
+
+
+def _shape(body: str, rows: tuple[_Row, ...], anthropometry: Anthropometry, mirror: float) -> Shape:
     stature = anthropometry.stature_m
-    girth = float(np.sqrt(anthropometry.mass_kg / stature / _REFERENCE_KG_PER_M))
-    parts = [_part(body, row, stature, girth, 1.0) for body, rows in _TRUNK.items() for row in rows]
-    for side in SIDES:
-        mirror = 1.0 if side == "right" else -1.0
-        for body, rows in _LIMBS.items():
-            parts += [_part(f"{side}_{body}", row, stature, girth, mirror) for row in rows]
-    return tuple(parts)
+    girth = 1.0 if body in _SLENDER else float(np.sqrt(anthropometry.mass_kg / stature / _REFERENCE_KG_PER_M))
+    points = stature * np.concatenate([
+        np.array(centre) * (1, mirror, 1) + girth * radius * np.array(squeeze) * _unit_sphere()
+        for start, end, start_radius, end_radius, squeeze in rows
+        for centre, radius in ((start, start_radius), (end, end_radius))
+    ])  # fmt: skip
+    if body == "foot":  # flat below
+        points[:, 2] = np.maximum(points[:, 2], anthropometry.sole_rectangle()[3])
+    hull = ConvexHull(points)
+    used, faces = np.unique(hull.simplices, return_inverse=True)
+    first, second, third = np.moveaxis(points[hull.simplices], 1, 0)
+    inwards = (np.cross(second - first, third - first) * hull.equations[:, :3]).sum(axis=1) < 0
+    faces = faces.reshape(-1, 3)
+    return Shape(points[used], np.where(inwards[:, None], faces[:, ::-1], faces))
 
 
-def _part(body: str, row: _Row, stature: float, girth: float, mirror: float) -> Part:
-    start, end, start_radius, end_radius, squeeze = row
-    turned = stature * np.array([1.0, mirror, 1.0])
-    scale = stature if body.endswith(_SLENDER) else stature * girth
-    return Part(
-        body, np.array(start) * turned, np.array(end) * turned, start_radius * scale, end_radius * scale,
-        np.array(squeeze, dtype=float),
-    )  # fmt: skip
+def _unit_sphere() -> Vector:
+    polar, around = np.meshgrid(np.linspace(0, np.pi, _RINGS), 2 * np.pi * np.arange(_PER_RING) / _PER_RING)
+    sphere = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
+    return np.unique(np.round(sphere.reshape(-1, 3), 12), axis=0)  # each pole once
