@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fatigue_planner.core.plugins import load_plugin as load_plugin
     from fatigue_planner.core.plugins import register as register
     from fatigue_planner.experiment.schema import Experiment as Experiment
+    from fatigue_planner.fatigue.laws.law import FatigueLaw as FatigueLaw
     from fatigue_planner.motion.tasks.task import PreferenceTask as PreferenceTask
     from fatigue_planner.motion.tasks.task import Task as Task
     from fatigue_planner.output.reports.results.report import report_section as report_section
@@ -48,6 +49,7 @@ _WHERE = {
     "core.jit": ("compiled",),
     "core.plugins": ("load_plugin", "register"),
     "experiment.schema": ("Experiment",),
+    "fatigue.laws.law": ("FatigueLaw",),
     "motion.tasks.task": ("PreferenceTask", "Task"),
     "output.reports.results.report": ("report_section",),
     "planners.policy": ("Decision", "Policy", "PolicySettings"),

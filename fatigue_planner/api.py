@@ -21,7 +21,7 @@ from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.build import scenario as build_scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.parameters import ENTRIES
+from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.belief import Belief

@@ -21,7 +21,7 @@ import numpy as np
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.fatigue.model import cycle_profile
+from fatigue_planner.fatigue.load import cycle_profile
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
 
@@ -47,7 +47,7 @@ def main() -> None:
                 continue
             spent = time.process_time() - begin
             quality = measure(motion_request, motion)
-            cycle = cycle_profile(motion.torque_nm, step_s, parameters).cycle_map()
+            cycle = cycle_profile(motion, parameters).cycle_map()
             cells = ["", "", ""]
             if before is not None:
                 change = [

@@ -68,6 +68,8 @@ def benchmark(
     settings, content = load_experiment(experiment), find_shipped(experiment).read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
     asked = selected(settings, wanted)
+    if bound:
+        asked.cost.fatigue_cost().check_quadratic("--bound")
     profiles = load_cycle_profiles(asked, cache, options.command_line("simulate", experiment, cache))
     grid, left_out = without_infeasible(asked, profiles), omissions(asked, profiles)
     warn(left_out)

@@ -77,7 +77,7 @@ def _motion_clips(settings: "Experiment", wanted: Sequence[str], cache: Path, co
 
     Raises SelectionError for a name it does not have, or of a failed one; FailedMotionError if all have failed.
     """
-    from fatigue_planner.experiment.build import reaction_requests
+    from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
     from fatigue_planner.output.viewer.motion_clip import motion_clip_of
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.reactions.reaction import FailedReaction
@@ -86,12 +86,12 @@ def _motion_clips(settings: "Experiment", wanted: Sequence[str], cache: Path, co
     requests = reaction_requests(settings)
     chosen = choose("reaction", [str(request.name) for request in requests], wanted)
     shown = [request for request in requests if str(request.name) in chosen]
-    clips, failed = [], []
+    clips, failed, parameters = [], [], worker_fatigue(settings)
     for request, reaction in zip(shown, ReactionCache(cache).stream(shown, command), strict=True):
         if isinstance(reaction, FailedReaction):
             failed.append(f"{reaction.name} cannot be shown, because it cannot be performed: {reaction.reason}")
             continue
-        clips.append(motion_clip_of(request, reaction))
+        clips.append(motion_clip_of(request, reaction, parameters[request.name.worker]))
         if not wanted and len(clips) == MAX_UNASKED:
             break
     if len(clips) + len(failed) < len(shown):

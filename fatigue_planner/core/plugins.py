@@ -18,6 +18,7 @@ from types import ModuleType
 from typing import Annotated, Any, Generic, TypeVar, Union, get_args
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
+from pydantic.fields import FieldInfo
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
@@ -92,8 +93,14 @@ class Registry(Generic[K]):
 _REGISTRIES: list[Registry[Any]] = []
 
 
+def annotation_of(field: FieldInfo) -> Any:
+    """The annotation of a field with the registry of its kinds, which pydantic keeps aside."""
+    registry = next((item for item in field.metadata if isinstance(item, Registry)), None)
+    return field.annotation if registry is None else Annotated[field.annotation, registry]
+
+
 def register(kind: T) -> T:
-    """Class decorator of a plug-in: add a kind of policy, belief or motion task, by its base class.
+    """Class decorator of a plug-in: add a kind of policy, belief, motion task, fatigue law or posture cost.
 
     Raises PluginError if it has another base class, has no name, or another kind has the same name.
 

@@ -1,6 +1,7 @@
 """From an experiment to what the rooms below work with: requests, parameters, scenarios."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,14 @@ from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.benchmark_settings import Condition
 from fatigue_planner.experiment.feasibility import performable_actions
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
-from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters, fatigue_state
+from fatigue_planner.fatigue.entries import fatigue_state
+from fatigue_planner.fatigue.load import cycle_profile
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.parameters import FatigueParameters, fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.human.model import build_human
 from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import Motion
 from fatigue_planner.pomdp.beliefs.registry import default_belief
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
@@ -71,12 +76,21 @@ def cycle_profiles(
     """How one cycle of each of these reactions loads the worker; failed ones have none."""
     parameters = worker_fatigue(experiment)
     return {
-        reaction.name: cycle_profile(
-            reaction.motion.torque_nm, reaction.motion.time_step_s, parameters[reaction.name.worker]
-        )
+        reaction.name: reaction_profile(experiment, parameters, reaction.name.worker, reaction.motion)
         for reaction in reactions
         if isinstance(reaction, Reaction)
     }
+
+
+def reaction_profile(
+    experiment: Experiment, parameters: Mapping[str, FatigueParameters], worker: str, motion: Motion
+) -> CycleProfile:
+    """How one cycle of a motion loads a worker of the experiment, and what its posture costs."""
+    profile = cycle_profile(motion, parameters[worker])
+    if not experiment.cost.posture:
+        return profile
+    cost = experiment.cost.posture_cost(build_human(experiment.workers[worker]), motion)
+    return replace(profile, posture_cost=cost)
 
 
 def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile], condition: Condition) -> Scenario:
@@ -106,7 +120,8 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     observations, matrix = preferences, None
     if experiment.recognition_errs():
         observations, matrix = experiment.recognised()
-    model = build_pomdp(actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations)
+    cost = experiment.cost.fatigue_cost()
+    model = build_pomdp(actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost)
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from types import NoneType, UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
-from fatigue_planner.core.plugins import Registry
+from fatigue_planner.core.plugins import Registry, annotation_of
 from fatigue_planner.core.settings import Settings
 
 Location = tuple[int | str, ...]
@@ -35,7 +35,7 @@ def kinds_of(expected: Any) -> Sequence[str]:
 def _below(here: Any, step: int | str) -> Any:
     plain = _plain(here)
     if isinstance(plain, type) and issubclass(plain, Settings):
-        fields = {field.alias or name: field.annotation for name, field in plain.model_fields.items()}
+        fields = {field.alias or name: annotation_of(field) for name, field in plain.model_fields.items()}
         return fields.get(str(step))
     if get_origin(plain) is dict:
         return get_args(plain)[1]

@@ -18,6 +18,7 @@ from fatigue_planner.experiment.benchmark_settings import (
     Level,
     usual_conditions,
 )
+from fatigue_planner.experiment.cost_settings import CostSettings
 from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.fatigue.parameters import FatigueSettings
@@ -28,6 +29,7 @@ from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cyc
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
+from fatigue_planner.pomdp.cost import not_quadratic
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
 
 # What can be checked in half a second and named in one table.
@@ -82,6 +84,10 @@ class Experiment(Settings):
     )
     fatigue: FatigueSettings = Field(
         default=FatigueSettings(), description="How joints tire and recover (paper, Eq. 2 and section IV-B)."
+    )
+    cost: CostSettings = Field(
+        default=CostSettings(),
+        description="What fatigue costs, to the robot and to a worker of expertise. Default: Eq. 5.",
     )
     discount: float = Field(
         default=0.95,
@@ -237,6 +243,8 @@ class Experiment(Settings):
         named = {f"policies.{name}": policy for name, policy in self.benchmark.policies.items()}
         reference = self.benchmark.reference
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
+            if getattr(planner, "leaf_value", "none") == "bound" and self.cost.fatigue != "mean_square":
+                yield f"benchmark.{name}.leaf_value: bound {not_quadratic(self.cost.fatigue)}; or use none"
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
         certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())

@@ -9,7 +9,8 @@ import numpy as np
 from fatigue_planner.core.errors import DataFileError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.target_checks import target_faults
-from fatigue_planner.fatigue.parameters import fatigue_parameters, fatigue_state
+from fatigue_planner.fatigue.entries import fatigue_state
+from fatigue_planner.fatigue.parameters import fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.motion.action import Action
@@ -29,6 +30,7 @@ def semantic_errors(experiment: Experiment) -> list[str]:
         itertools.chain(
             _worker_faults(experiment, humans),
             _belief_faults(experiment),
+            _cost_faults(experiment),
             _phase_faults(experiment),
             _tool_faults(experiment),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
@@ -72,6 +74,13 @@ def _belief_faults(experiment: Experiment) -> Iterator[str]:
                 fatigue_state(state.fatigue)
             except DataFileError as error:
                 yield f"initial_beliefs.{name}.{index}.{error}"
+
+
+def _cost_faults(experiment: Experiment) -> Iterator[str]:
+    try:
+        experiment.cost.fatigue_cost()
+    except DataFileError as error:
+        yield str(error)
 
 
 def _phase_faults(experiment: Experiment) -> Iterator[str]:

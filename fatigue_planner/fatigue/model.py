@@ -1,12 +1,14 @@
-"""What one cycle does to fatigue: an exact affine map per entry."""
+"""What one cycle does to fatigue: an exact affine map per entry, for any worker's rates."""
 
-from dataclasses import dataclass
+import hashlib
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fatigue_planner.fatigue.parameters import FatigueParameters
+from fatigue_planner.core.jit import kernel
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -25,79 +27,118 @@ class CycleMap:
 
 
 @dataclass(frozen=True)
-class CycleProfile:
-    r"""How a cycle loads each entry, whatever the worker's rates: the runs of ticks in which it tires.
+class CycleProfile(ABC):
+    """How a cycle loads each entry under a fatigue law, whatever the worker's rates.
 
-    With the shares s = tau_load / tau_max of a worker's strength and threshold alpha, run i of
-    consecutive ticks with s > alpha has the dose D_i, the integral of s dt over it, in s.
-
-        dose_s        (runs, 78)  D_i; 0 where an entry has fewer runs
-        later_dose_s  (runs, 78)  the doses of all later runs
-        later_rest_s  (runs, 78)  the time without tiring after run i
-        rest_s        (78,)       the time without tiring in the whole cycle
-
-    fatigue_rate, recovery_rate (78,), in 1/s: k and R of the worker, as the experiment gives them.
+    posture_cost: what the posture of the cycle adds to the cost, in the cost's unit; 0 in the paper.
     """
 
-    dose_s: Matrix
-    later_dose_s: Matrix
-    later_rest_s: Matrix
-    rest_s: Vector
-    fatigue_rate: Vector
-    recovery_rate: Vector
+    posture_cost: float = field(default=0.0, kw_only=True)
 
-    def plain(self) -> dict[str, Any]:
-        """The profile as JSON values."""
-        return {name: values.tolist() for name, values in vars(self).items()}
+    @property
+    @abstractmethod
+    def tires(self) -> NDArray[np.bool_]:
+        """Which entries the cycle tires at all, (78,)."""
+
+    @abstractmethod
+    def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
+        """Gains and offsets (..., 78) with all rates multiplied by factors (...)."""
 
     def cycle_map(self) -> CycleMap:
         """The cycle's map with the worker's own rates."""
         gain, offset = self.maps(1.0, 1.0)
         return CycleMap(gain, offset)
 
-    def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
-        r"""Gains and offsets (..., 78) with all rates multiplied by factors (...).
+    def plain(self) -> dict[str, Any]:
+        """The profile as JSON values."""
+        return {name: np.asarray(values).tolist() for name, values in vars(self).items()}
 
-        Paper, Eq. 2, for the fatigue f = 1 - tau_cem / tau_max of Eq. 1:
-            tau_load > alpha tau_max:  d(1 - f)/dt = -k (tau_load / tau_max) (1 - f)
-            else:                      df/dt = -R f
-        The mode depends on the load alone. Run i multiplies 1 - f by exp(-k D_i), rest of length t multiplies
-        f by exp(-R t), and the product of these affine maps is
-            gain   = exp(-k sum_i D_i - R t_rest)
-            offset = sum_i (1 - exp(-k D_i)) exp(-k D_later,i - R t_later,i).
-        """
-        k = np.asarray(fatigue_rate_factor)[..., None] * self.fatigue_rate
-        R = np.asarray(recovery_rate_factor)[..., None] * self.recovery_rate
-        gain = np.exp(-k * self.dose_s.sum(axis=0) - R * self.rest_s)
+
+@dataclass(frozen=True)
+class Flows:
+    """A fatigue law during T ticks, each (T, 78), per unit of the rates: df/dt = F a - (F b + R c) f.
+
+    tiring: a, what adds to fatigue. slowing: b, how much less an entry tires the more it is tired already.
+    recovering: c, 1 at the rate R.
+    """
+
+    tiring: Matrix
+    slowing: Matrix
+    recovering: Matrix
+
+
+@dataclass(frozen=True)
+class TickProfile(CycleProfile):
+    """The profile of any law that is affine in fatigue: its flows, tick by tick.
+
+    entries (n,): those that tire; flows: theirs, (T, n); slowing_s, recovering_s (78,): the integrals of b and c over
+    the cycle, in s; fatigue_rate, recovery_rate (78,), in 1/s: F and R of the worker.
+    """
+
+    entries: NDArray[np.intp]
+    flows: Flows
+    slowing_s: Vector
+    recovering_s: Vector
+    time_step_s: float
+    fatigue_rate: Vector
+    recovery_rate: Vector
+
+    @classmethod
+    def of(cls, flows: Flows, time_step_s: float, fatigue_rate: Vector, recovery_rate: Vector) -> "TickProfile":
+        """The profile of a cycle with flows (T, 78) that each hold for a time step."""
+        entries = np.flatnonzero((flows.tiring > 0).any(axis=0))
+        return cls(
+            entries,
+            Flows(*(np.ascontiguousarray(table[:, entries]) for table in vars(flows).values())),
+            flows.slowing.sum(axis=0) * time_step_s,
+            flows.recovering.sum(axis=0) * time_step_s,
+            time_step_s,
+            fatigue_rate,
+            recovery_rate,
+        )
+
+    @property
+    def tires(self) -> NDArray[np.bool_]:
+        """See CycleProfile.tires."""
+        return np.isin(np.arange(self.fatigue_rate.size), self.entries)
+
+    def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
+        """See CycleProfile.maps: the gain is exp(-integral of F b + R c), the offset is summed tick by tick."""
+        faster, sooner = np.broadcast_arrays(
+            np.asarray(fatigue_rate_factor, float), np.asarray(recovery_rate_factor, float)
+        )
+        F, R = faster[..., None] * self.fatigue_rate, sooner[..., None] * self.recovery_rate
+        gain = np.exp(-F * self.slowing_s - R * self.recovering_s)
         offset = np.zeros_like(gain)
-        for dose, later_dose, later_rest in zip(self.dose_s, self.later_dose_s, self.later_rest_s, strict=True):
-            offset += -np.expm1(-k * dose) * np.exp(-k * later_dose - R * later_rest)
+        tired = np.zeros((faster.size, self.entries.size))
+        own = [rates.reshape(faster.size, -1)[:, self.entries] for rates in (F, R)]
+        flows = self.flows
+        add_ticks(flows.tiring, flows.slowing, flows.recovering, own[0], own[1], self.time_step_s, tired)
+        offset[..., self.entries] = tired.reshape(*faster.shape, -1)
         return gain, offset
 
+    def plain(self) -> dict[str, Any]:
+        """See CycleProfile.plain; of the flows, which are many, the SHA-256."""
+        flows = {name: hashlib.sha256(table.tobytes()).hexdigest() for name, table in vars(self.flows).items()}
+        return {name: np.asarray(value).tolist() for name, value in vars(self).items() if name != "flows"} | flows
 
-def loads(torque_nm: Matrix) -> Matrix:
-    """Load of each entry (T, 78) N.m from joint torques (T, 39): positive part, then negative part."""
-    return np.hstack([np.maximum(torque_nm, 0), np.maximum(-torque_nm, 0)])
 
+@kernel
+def add_ticks(
+    tiring: Matrix, slowing: Matrix, recovering: Matrix, F: Matrix, R: Matrix, time_step_s: float, fatigue: Matrix
+) -> None:
+    """Take fatigue (M, n) in place through T ticks of flows (T, n) with rates F and R (M, n), each tick exactly.
 
-def cycle_profile(torque_nm: Matrix, time_step_s: float, parameters: FatigueParameters) -> CycleProfile:
-    """The profile of a cycle whose torques (T, 39) each hold for a time step.
-
-    At tau_load = alpha tau_max, which Eq. 2 leaves open, the entry rests.
+    f' = e f + F a (1 - e) / q with q = F b + R c and e = exp(-q dt). Neighbouring ticks often have the same q.
     """
-    share = loads(torque_nm) / parameters.maximum_torque_nm
-    tiring = share > parameters.threshold
-    entries = share.shape[1]
-    before = np.zeros((1, entries), dtype=bool)
-    begins = tiring & ~np.vstack([before, tiring[:-1]])
-    ends = tiring & ~np.vstack([tiring[1:], before])
-    dose = np.vstack([np.zeros((1, entries)), np.cumsum(np.where(tiring, share, 0.0), axis=0)]) * time_step_s
-    rest = np.vstack([np.zeros((1, entries)), np.cumsum(~tiring, axis=0)]) * time_step_s
-    shape = (int(begins.sum(axis=0).max()), entries)
-    runs, later_dose, later_rest = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    for entry in range(entries):
-        first, last = np.flatnonzero(begins[:, entry]), np.flatnonzero(ends[:, entry]) + 1
-        runs[: first.size, entry] = dose[last, entry] - dose[first, entry]
-        later_dose[: first.size, entry] = dose[-1, entry] - dose[last, entry]
-        later_rest[: first.size, entry] = rest[-1, entry] - rest[last, entry]
-    return CycleProfile(runs, later_dose, later_rest, rest[-1], parameters.fatigue_rate, parameters.recovery_rate)
+    for m in range(fatigue.shape[0]):
+        for j in range(fatigue.shape[1]):
+            f, last, left, held = fatigue[m, j], -1.0, 1.0, time_step_s
+            for t in range(tiring.shape[0]):
+                q = F[m, j] * slowing[t, j] + R[m, j] * recovering[t, j]
+                if q != last:
+                    left = np.exp(-q * time_step_s)
+                    held = -np.expm1(-q * time_step_s) / q if q > 0 else time_step_s
+                    last = q
+                f = left * f + F[m, j] * tiring[t, j] * held
+            fatigue[m, j] = f

@@ -1,156 +1,164 @@
-"""The fatigue state: its entries, their parameters (paper, sections III-B and IV-B), and joints they belong to."""
+"""How a worker tires: the law, the rates and the threshold of every entry (paper, sections III-B and IV-B)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from fatigue_planner.core.errors import DataFileError
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.human.joint_data import MaximumTorque, known_names
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS, without_side
+from fatigue_planner.fatigue.entries import ENTRIES, entry_indices
+from fatigue_planner.fatigue.laws.law import FatigueLaw, Rates
+from fatigue_planner.fatigue.laws.ma import MaLaw
+from fatigue_planner.fatigue.laws.registry import AnyLaw
+from fatigue_planner.fatigue.rates import MAX_PATH_LENGTH, Multiplier, Rate, rate_file, rates_by_entry
+from fatigue_planner.fatigue.strength_by_angle import StrengthByAngle, strength_by_angle
+from fatigue_planner.human.joint_data import MaximumTorque
 
 Vector = NDArray[np.float64]
-Array = NDArray[np.float64]
 
-DIRECTIONS = ("positive", "negative")
-# The 2N entries of the fatigue state: all agonists (positive torque), then all antagonists.
-ENTRIES = tuple(f"{name}:{direction}" for direction in DIRECTIONS for name in DEGREES_OF_FREEDOM)
-# Joints of the spine that everyday language takes as one.
-JOINT_GROUP_OF = {"lumbar": "back", "thoracic": "back", "head": "neck"}
+# The paper's k and R, the same for all joints (section IV-B).
+PAPER_RATES = {"fatigue_rate_per_s": 0.01667, "recovery_rate_per_s": 0.04}
+# The set of rates of a law where an experiment names none.
+USUAL_RATES = {"3cc_r": "frey_law_2012"}
 
-# In 1/s: nobody tires or recovers within a hundredth of a second.
-Rate = Annotated[float, Field(gt=0, le=100)]
+Threshold = Annotated[float, Field(ge=0, lt=1)]
 
 
 class JointFatigue(Settings):
     """The rates and threshold of a joint that differ from those of all joints."""
 
     fatigue_rate_per_s: Rate | None = Field(
-        default=None, description="Fatigue rate k of the joint in 1/s; left out, that of all joints."
+        default=None, description="Fatigue rate k (3cc_r: F) of the joint in 1/s; left out, that of all joints."
     )
     recovery_rate_per_s: Rate | None = Field(
         default=None, description="Recovery rate R of the joint in 1/s; left out, that of all joints."
     )
-    threshold: float | None = Field(
+    rest_multiplier: Multiplier | None = Field(
         default=None,
-        ge=0,
-        lt=1,
+        description="Factor r, without unit, by which the joint recovers faster at rest, in laws that have one "
+        "(3cc_r); left out, that of all joints.",
+    )
+    threshold: Threshold | None = Field(
+        default=None,
         description="Torque below which the joint does not tire, as a fraction of its strength; left out, that of all.",
     )
 
 
-class FatigueSettings(Settings):
-    """Rates and threshold of Eq. 2, the same for every joint except those under `joints`.
+def _usual_rates(settings: Mapping[str, Any]) -> str | None:
+    law = settings.get("law")
+    return USUAL_RATES.get(law.rates_of) if isinstance(law, FatigueLaw) else None
 
-    A joint is named as in an initial belief: an entry, a degree of freedom, or either without its side.
-    Where two names mean the same entry, the later one counts.
+
+def _paper_rate(key: str, settings: Mapping[str, Any]) -> float | None:
+    return PAPER_RATES[key] if settings.get("rates") is None else None
+
+
+class FatigueSettings(Settings):
+    """The law, and the rates and threshold of every joint.
+
+    `rates` are per joint; what is given for all joints replaces them, and what `joints` gives replaces that.
+    A joint is named as in `entry_indices`. Where two names mean the same entry, the later one counts.
     """
 
-    fatigue_rate_per_s: Rate = Field(
-        default=0.01667, description="Fatigue rate k of Eq. 2 in 1/s; the paper's is 1 per minute (section IV-B)."
+    law: AnyLaw = Field(
+        default=MaLaw(kind="ma"), description="Fatigue law. Default: the paper's Eq. 2 (ma); 3cc_r is another one."
     )
-    recovery_rate_per_s: Rate = Field(
-        default=0.04, description="Recovery rate R of Eq. 2 in 1/s; the paper's is 0.04 (section IV-B)."
+    rates: Annotated[str, Field(min_length=1, max_length=MAX_PATH_LENGTH)] | None = Field(
+        default_factory=_usual_rates,
+        description="Rates per joint in 1/s: the name of a set that ships with fatplan (frey_law_avin_2010 for ma, "
+        "frey_law_2012 for 3cc_r), or a YAML file. Default: none for ma, frey_law_2012 for 3cc_r.",
     )
-    threshold: float = Field(
-        default=0.1,
-        ge=0,
-        lt=1,
-        description="Torque below which a joint does not tire, as a fraction of its strength; the paper's is 0.1 "
+    fatigue_rate_per_s: Rate | None = Field(
+        default_factory=lambda settings: _paper_rate("fatigue_rate_per_s", settings),
+        description="Fatigue rate k (3cc_r: F) of all joints in 1/s. Default: those of `rates`, or else the paper's "
+        "0.01667, which is 1 per minute (section IV-B).",
+    )
+    recovery_rate_per_s: Rate | None = Field(
+        default_factory=lambda settings: _paper_rate("recovery_rate_per_s", settings),
+        description="Recovery rate R of all joints in 1/s. Default: those of `rates`, or else the paper's 0.04 "
         "(section IV-B).",
+    )
+    rest_multiplier: Multiplier | None = Field(
+        default=None,
+        description="Factor r, without unit, by which all joints recover faster at rest, in laws that have one "
+        "(3cc_r). Default: those of `rates`.",
+    )
+    threshold: Threshold = Field(
+        default=0.1,
+        description="Torque up to which a joint rests, as a fraction of its strength; the paper's is 0.1 "
+        "(section IV-B).",
+    )
+    strength_by_angle: tuple[Annotated[str, Field(min_length=1, max_length=MAX_PATH_LENGTH)], ...] = Field(
+        default=(),
+        max_length=100,
+        description="Sources by which strength depends on the joint's angle: names that ship with fatplan "
+        "(medx_lumbar, kamon_arm, anderson_leg), or YAML files; what none has is constant. Default: none, "
+        "as in the paper.",
     )
     joints: dict[str, JointFatigue] = Field(
         default_factory=dict,
         description="Exceptions: values that differ at a joint, by entry (lumbar_flexion:negative), degree of freedom "
-        "(lumbar_flexion), or either without its side.",
+        "(lumbar_flexion), joint (back), or any of them without its side.",
     )
+
+    @model_validator(mode="after")
+    def _check_rest_multiplier(self) -> Self:
+        """A factor that the law would not use."""
+        named = {"rest_multiplier": self.rest_multiplier}
+        named |= {f"joints.{name}.rest_multiplier": own.rest_multiplier for name, own in self.joints.items()}
+        given = [key for key, value in named.items() if value is not None]
+        if given and not self.law.rests_faster:
+            raise ValueError(f"{given[0]}: the law {self.law.kind} has none; 3cc_r has")
+        return self
 
 
 @dataclass(frozen=True)
-class FatigueParameters:
-    """Eq. 2's parameters per entry, each (78,): k and R in 1/s, alpha, tau_max in N.m."""
+class FatigueParameters(Rates):
+    """How a worker tires: the law, its rates and the strength tau_max in N.m, (78,).
 
-    fatigue_rate: Vector
-    recovery_rate: Vector
-    threshold: Vector
+    by_angle: how the strength depends on the angle; None where it is constant.
+    """
+
     maximum_torque_nm: Vector
+    law: FatigueLaw
+    by_angle: StrengthByAngle | None
 
 
 def fatigue_parameters(settings: FatigueSettings, strength: MaximumTorque) -> FatigueParameters:
-    """The parameters of a worker with these strengths. Raises DataFileError for an unknown joint."""
-    ones = np.ones(len(ENTRIES))
-    rates = {
-        "fatigue_rate_per_s": settings.fatigue_rate_per_s * ones,
-        "recovery_rate_per_s": settings.recovery_rate_per_s * ones,
-        "threshold": settings.threshold * ones,
-    }
+    """The parameters of a worker with these strengths. Raises DataFileError for unknown joints, rates and curves."""
+    values = _set_of_rates(settings) | {"threshold": np.full(len(ENTRIES), settings.threshold)}
+    for key in PAPER_RATES.keys() | {"rest_multiplier"}:
+        if (common := getattr(settings, key)) is not None:
+            values[key] = np.full(len(ENTRIES), common)
     for name, own in settings.joints.items():
-        indices = _indices(name, f"fatigue.joints.{name}")
+        indices = entry_indices(name, f"fatigue.joints.{name}")
         for key, value in own.model_dump(exclude_none=True).items():
-            rates[key][indices] = value
+            values[key][indices] = value
     return FatigueParameters(
-        fatigue_rate=rates["fatigue_rate_per_s"],
-        recovery_rate=rates["recovery_rate_per_s"],
-        threshold=rates["threshold"],
+        fatigue_rate=values["fatigue_rate_per_s"],
+        recovery_rate=values["recovery_rate_per_s"],
+        rest_multiplier=values["rest_multiplier"],
+        threshold=values["threshold"],
         maximum_torque_nm=np.concatenate(strength.vectors()),
+        law=settings.law,
+        by_angle=strength_by_angle(settings.strength_by_angle),
     )
 
 
-def fatigue_state(levels: dict[str, float]) -> Vector:
-    """A fatigue state (78,) from levels by name; all other entries are 0.
-
-    A name is an entry (`lumbar_flexion:negative`), a degree of freedom (both its entries), or either
-    without its side (both sides). Raises DataFileError for an unknown name.
-    """
-    state = np.zeros(len(ENTRIES))
-    for name, level in levels.items():
-        state[_indices(name, "fatigue")] = level
-    return state
-
-
-def _indices(name: str, key: str) -> list[int]:
-    """The indices of the entries that a name means. Raises DataFileError, naming the key, if there are none."""
-    indices = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
-    if not indices:
-        raise DataFileError(f"{key}: unknown joint {name!r}{known_names(name)}")
-    return indices
-
-
-def _freedom_of(entry: str) -> str:
-    return entry.split(":", maxsplit=1)[0]
-
-
-def _names_of(entry: str) -> set[str]:
-    freedom = _freedom_of(entry)
-    return {entry, freedom, without_side(entry), without_side(freedom)}
-
-
-def joint_load_fractions(fraction: Vector) -> dict[str, float]:
-    """The largest fraction of strength in any degree of freedom and direction of each joint; fraction (78,)."""
-    by_entry = dict(zip(ENTRIES, fraction, strict=True))
-    return {
-        joint.name: max(
-            by_entry[f"{dof.name}:{direction}"] for dof in joint.degrees_of_freedom for direction in DIRECTIONS
-        )
-        for joint in JOINTS
-    }
-
-
-def _groups() -> dict[str, NDArray[np.intp]]:
-    names: dict[str, list[str]] = {}
-    for joint in JOINTS:
-        group = names.setdefault(JOINT_GROUP_OF.get(joint.name, joint.name), [])
-        group += [dof.name for dof in joint.degrees_of_freedom]
-    freedom_of = np.array([_freedom_of(entry) for entry in ENTRIES])
-    return {group: np.flatnonzero(np.isin(freedom_of, freedoms)) for group, freedoms in names.items()}
-
-
-JOINT_GROUPS = _groups()
-
-
-def highest_fatigue(fatigue: Array) -> dict[str, Array]:
-    """The highest fatigue of any entry, by group (...), from fatigue (..., 78)."""
-    return {group: fatigue[..., indices].max(axis=-1) for group, indices in JOINT_GROUPS.items()}
+def _set_of_rates(settings: FatigueSettings) -> dict[str, Vector]:
+    """The rates by key that the named set has for the law; without one, only the multiplier 1."""
+    if settings.rates is None:
+        if settings.fatigue_rate_per_s is None or settings.recovery_rate_per_s is None:
+            raise DataFileError("fatigue.rates: is missing; or give fatigue_rate_per_s and recovery_rate_per_s")
+        return {"rest_multiplier": np.ones(len(ENTRIES))}
+    try:
+        content = rate_file(settings.rates)
+        if content.law != settings.law.rates_of:
+            raise DataFileError(f"are rates of the law {content.law}; the law is {settings.law.kind}")
+        return rates_by_entry(content, settings.rates)
+    except DataFileError as error:
+        raise DataFileError(f"fatigue.rates = {settings.rates!r}: {error}") from error

@@ -146,12 +146,13 @@ def check_effort(name: str, settings: LookaheadSettings | ReferenceSettings, bel
 def reference_for(belief: Belief) -> ReferenceSettings:
     """The lookahead that is used as the reference in a scenario with this initial belief.
 
-    Its leaf values are those of cyclic plans or, where nothing is left to chance (an expert), greedy rollouts, which
-    are better there. All other rollouts are random, and the largest of noisy values is biased upwards.
+    Its leaf values are those of cyclic plans, where the cost is quadratic, or greedy rollouts, where nothing is left to
+    chance (an expert), which are better there. All other rollouts are random, and the largest of noisy values is biased
+    upwards.
     """
     model = belief.model
     assert isinstance(model, FatiguePomdp)
-    leaf_value: ReferenceLeafValue = "bound" if model.discount < 1 else "none"
+    leaf_value: ReferenceLeafValue = "bound" if model.discount < 1 and model.cost.is_quadratic else "none"
     if model.is_experts:
         leaf_value = "greedy_rollout"
     chosen = ReferenceSettings(

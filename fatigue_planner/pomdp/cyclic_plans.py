@@ -43,14 +43,17 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     return plans
 
 
-def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
+def plan_values(
+    gain: Array, offset: Array, discount: float, entries: int, weight: Vector, posture_cost: Array
+) -> PlanValues:
     """The discounted returns of all cyclic plans worth considering, where all reactions are equally likely.
 
-    gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
-    and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
-        A <- mean (gamma A - 1 / 2N) g^2
-        B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
-        C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
+    gain, offset (M, A, U, L): cycle maps; weight (L,), posture_cost (A, U): of the cost. With
+    V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j w_j f_j^2 / 2N + p, before it, with means over the
+    reactions f' = g f + o:
+        A <- mean (gamma A - w / 2N) g^2
+        B <- mean 2 (gamma A - w / 2N) g o + gamma B g
+        C <- sum_j mean (gamma A - w / 2N) o^2 + gamma B o  -  mean p  +  gamma C
     Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
     Raises ExperimentError without a discount below 1.
     """
@@ -58,17 +61,18 @@ def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> Pl
         raise ExperimentError("leaf value bound: endless plans have no value without a discount below 1.")
     plans = cyclic_plans(gain.shape[1])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
+    posture = posture_cost.mean(axis=1)
     found: list[tuple[Array, Array, Array]] = []
     for length in sorted({len(plan) for plan in plans}):
         phases = np.array([plan for plan in plans if len(plan) == length]).T[::-1]  # the last cycle first
-        square = _fixed_point([(discount * g2[:, now], -g2[:, now] / entries) for now in phases])
-        weight = [discount * after - 1 / entries for after in square]
+        square = _fixed_point([(discount * g2[:, now], -g2[:, now] * weight / entries) for now in phases])
+        curvature = [discount * after - weight / entries for after in square]
         linear = _fixed_point(
-            [(discount * g1[:, now], 2 * w * go[:, now]) for now, w in zip(phases, weight, strict=True)]
+            [(discount * g1[:, now], 2 * w * go[:, now]) for now, w in zip(phases, curvature, strict=True)]
         )
         added = [
-            (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1)
-            for now, w, after in zip(phases, weight, linear, strict=True)
+            (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1) - posture[now]
+            for now, w, after in zip(phases, curvature, linear, strict=True)
         ]
         constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
         found.append((square[0], linear[0], constant[0]))

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from fatigue_planner.core.jit import inlined
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.pomdp.boltzmann import lowest, normalise_choice, relative_chance, weigh
+from fatigue_planner.pomdp.cost import CostArrays, FatigueCost, cost_after, cost_moving, mean_square
 from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
-from fatigue_planner.pomdp.simd import LANES, aligned, move, sum_of_squares_after
+from fatigue_planner.pomdp.simd import LANES, aligned, move
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -38,7 +39,7 @@ class FatigueArrays(NamedTuple):
     observation: Array
     observation_reveals_outcome: bool
     n_actions: int
-    cost_scale: float
+    cost: CostArrays
 
 
 @inlined
@@ -56,15 +57,15 @@ def expertise_of(arrays: FatigueArrays, state: Vector) -> float:
 
 @inlined
 def costs_after(arrays: FatigueArrays, state: Vector, action: int, costs: Vector) -> None:
-    """The cost of Eq. 5 after the coming cycle for every preference, (U,)."""
+    """The cost (Eq. 5) after the coming cycle for every preference, (U,)."""
     row = first_row(arrays, state, action)
     for u in range(costs.size):
-        costs[u] = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+        costs[u] = cost_after(arrays.cost, arrays.gain, arrays.offset, state, row + u)
 
 
 @inlined
 def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector) -> None:
-    """Eq. 4: P(u | f, a) for every preference; the cost of Eq. 5 is that after the coming cycle."""
+    """Eq. 4: P(u | f, a) for every preference; the cost is that after the coming cycle."""
     expertise = expertise_of(arrays, state)
     if expertise == 0:
         for u in range(probabilities.size):
@@ -76,9 +77,9 @@ def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, 
 
 @inlined
 def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) -> float:
-    """Apply the cycle to the fatigue; the reward -C(f) of Eq. 5, C(f) = sum over 2N entries of f^2 / 2N."""
+    """Apply the cycle to the fatigue; the reward -C(f), in the paper C(f) = sum over 2N entries of f^2 / 2N (Eq. 5)."""
     row = first_row(arrays, state, action) + preference
-    return -arrays.cost_scale * move(arrays.gain, arrays.offset, state, row)
+    return -cost_moving(arrays.cost, arrays.gain, arrays.offset, state, row)
 
 
 @inlined
@@ -112,7 +113,7 @@ def react_to_costs(
     expertise = expertise_of(arrays, state)
     preference, least, ties = 0, np.inf, 0
     for u in range(scratch.size):
-        cost = arrays.cost_scale * sum_of_squares_after(arrays.gain, arrays.offset, state, row + u)
+        cost = cost_after(arrays.cost, arrays.gain, arrays.offset, state, row + u)
         scratch[u] = cost
         ties = 1 if cost < least else ties + (cost == least)
         preference = u if cost < least else preference
@@ -169,13 +170,14 @@ def one_worker(expertise: float) -> Workers:
 class FatiguePomdp(Pomdp):
     """The POMDP of a task.
 
-    active_entries: which of the `entries` entries its states hold; profiles (A, U): its cycles.
+    active_entries: which of the `entries` entries its states hold; profiles (A, U): its cycles; cost: what it costs.
     """
 
     active_entries: NDArray[np.intp]
     entries: int
     profiles: tuple[tuple[CycleProfile, ...], ...]
     workers: Workers
+    cost: FatigueCost
 
     @property
     def is_experts(self) -> bool:
@@ -212,20 +214,35 @@ class FatiguePomdp(Pomdp):
 
     @cached_property
     def bound_arrays(self) -> PlanValues:
-        """The values of the best cyclic plans of every worker."""
+        """The values of the best cyclic plans of every worker. Raises ExperimentError if the cost is no quadratic."""
+        self.cost.check_quadratic("leaf value bound")
         shape = (len(self.workers.expertise), len(self.actions), len(self.outcomes), -1)
         gain, offset = self.arrays.gain.reshape(shape), self.arrays.offset.reshape(shape)
-        return plan_values(gain, offset, self.discount, self.entries)
+        weight, posture = self.arrays.cost.weight, self.posture_cost
+        return plan_values(gain, offset, self.discount, self.entries, weight, posture)
+
+    @property
+    def posture_cost(self) -> Array:
+        """What the posture of every reaction adds to the cost, (A, U)."""
+        return np.array([[profile.posture_cost for profile in row] for row in self.profiles])
 
     def with_maps(self, gain: Array, offset: Array, workers: Workers) -> "FatiguePomdp":
         """The same task with these cycle maps (M, A, U, entries)."""
         arrays = self.arrays._replace(
             gain=self._rows(gain),
             offset=self._rows(offset),
+            cost=self._cost_arrays(len(gain)),
             expertise=workers.expertise,
             even=bool((workers.expertise == 0).all()),
         )
         return replace(self, arrays=arrays, workers=workers)
+
+    def _cost_arrays(self, workers: int) -> CostArrays:
+        weight = np.zeros(self.active_entries.size + -self.active_entries.size % LANES)
+        weight[: self.active_entries.size] = self.cost.weights[self.active_entries]
+        posture = np.tile(self.posture_cost.ravel(), workers)
+        plain = self.cost.is_quadratic and not posture.any() and bool((self.cost.weights == 1).all())
+        return CostArrays(weight, 1 / self.entries, posture, plain, self.cost.kind == "worst_joint")
 
     def _rows(self, table: Array) -> Array:
         rows = np.zeros(
@@ -244,22 +261,24 @@ def build_pomdp(
     discount: float,
     recognition_matrix: Array | None = None,
     observations: Sequence[str] | None = None,
+    cost: FatigueCost | None = None,
 ) -> FatiguePomdp:
     """The POMDP of the reactions `profiles[action, preference]`.
 
     `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
     entries are active; all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
-    default the preference is always recognised.
+    default the preference is always recognised. `cost`: by default the paper's.
     """
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
     ever = (initial_fatigue != 0).any(axis=0)
     for profile in profiles.values():
-        ever |= (profile.dose_s > 0).any(axis=0)
+        ever |= profile.tires
     observation_reveals_outcome = recognition_matrix is None
     observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
     empty = np.zeros((0, 0))
+    nothing = CostArrays(np.zeros(0), 0.0, np.zeros(0), True, False)
     arrays = FatigueArrays(
-        empty, empty, np.zeros(0), False, observation, observation_reveals_outcome, len(actions), 1 / ever.size
+        empty, empty, np.zeros(0), False, observation, observation_reveals_outcome, len(actions), nothing
     )
     blank = FatiguePomdp(
         actions=tuple(actions),
@@ -273,6 +292,7 @@ def build_pomdp(
         entries=ever.size,
         profiles=table,
         workers=workers,
+        cost=cost or mean_square(ever.size),
     )
     return blank.for_workers(workers)
 
@@ -281,5 +301,7 @@ def fingerprint(model: FatiguePomdp) -> dict[str, Any]:
     """All that decides what the model does, as JSON values."""
     named = model.arrays._asdict().items()
     arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named}
+    posture = model.arrays.cost.posture.tolist()
+    arrays["cost"] = {"kind": model.cost.kind, "weights": model.cost.weights.tolist(), "posture": posture}
     arrays["expertise"] = [repr(beta) for beta in model.workers.expertise.tolist()]
     return {"arrays": arrays, "discount": model.discount, "active_entries": model.active_entries.tolist()}

@@ -81,7 +81,7 @@ class SearchByHand:
             *(ctypes.c_int(n) for n in (self.actions, *arrays.observation.shape, arrays.gain.shape[1])),
             *(ctypes.c_void_p(array.ctypes.data) for array in self._kept),
             ctypes.c_int(arrays.observation_reveals_outcome),
-            *(ctypes.c_double(x) for x in (arrays.expertise[0], model.discount, arrays.cost_scale)),
+            *(ctypes.c_double(x) for x in (arrays.expertise[0], model.discount, arrays.cost.scale)),
         )
         self._values, self._tried = np.empty(self.actions), np.empty(self.actions, np.int64)
 

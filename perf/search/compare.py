@@ -79,7 +79,7 @@ class Peer:
             gain, offset = (table.reshape(shape)[..., :active].tolist() for table in (arrays.gain, arrays.offset))
             self.ask({
                 "gain": gain, "offset": offset, "expertise": str(arrays.expertise[0]),
-                "discount": model.discount, "cost_scale": arrays.cost_scale,
+                "discount": model.discount, "cost_scale": arrays.cost.scale,
             })  # fmt: skip
         copies = np.rint(belief.weights * PARTICLES).astype(int) if belief.weights.size > 1 else [1]
         return self.ask({

@@ -8,7 +8,7 @@ import numpy as np
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.experiment.build import load_cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
-from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, build_pomdp, one_worker
 from fatigue_planner.reactions.cache import ReactionCache
@@ -52,10 +52,10 @@ def affine_model(gain: np.ndarray, offset: np.ndarray, expertise: float, discoun
     actions, preferences, active = gain.shape
     names = [f"action_{a}" for a in range(actions)], [f"preference_{u}" for u in range(preferences)]
     nothing = np.zeros((1, active))
-    unused = CycleProfile(np.ones((1, active)), nothing, nothing, np.zeros(active), np.zeros(active), np.zeros(active))
+    unused = DoseProfile(np.ones((1, active)), nothing, nothing, np.zeros(active), np.zeros(active), np.zeros(active))
     profiles = {(a, u): unused for a in names[0] for u in names[1]}
     blank = build_pomdp(*names, profiles, nothing, one_worker(expertise), discount)
-    scaled = replace(blank, entries=entries, arrays=blank.arrays._replace(cost_scale=1 / entries))
+    scaled = replace(blank, entries=entries)
     return scaled.with_maps(gain[None], offset[None], one_worker(expertise))
 
 

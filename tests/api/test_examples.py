@@ -15,6 +15,7 @@ OUTPUT = {
     "own_policy": "stubborn_10",
     "own_belief": "",
     "own_motion_task": "",
+    "own_fatigue_law": "",
     "own_report_section": "",
     "tiger": "Mean return of 50 games",
     "hidden_worker": "knows the truth",

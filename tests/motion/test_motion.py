@@ -428,15 +428,15 @@ def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
     """Each gain and offset by less than 1 % of the largest; the energy error halves (first order)."""
 
     from fatigue_planner.experiment.build import worker_fatigue
-    from fatigue_planner.fatigue.model import cycle_profile
+    from fatigue_planner.fatigue.load import cycle_profile
 
     parameters = worker_fatigue(paper)["average_man"]
     step = paper.controller.time_step_s / 2
     for request, reaction in zip(reaction_requests(paper), reactions, strict=True):
         finer = replace(request.motion, controller=paper.controller.model_copy(update={"time_step_s": step}))
         motion = simulate(finer)
-        ours = cycle_profile(reaction.motion.torque_nm, 2 * step, parameters).cycle_map()
-        theirs = cycle_profile(motion.torque_nm, step, parameters).cycle_map()
+        ours = cycle_profile(reaction.motion, parameters).cycle_map()
+        theirs = cycle_profile(motion, parameters).cycle_map()
         assert np.abs(ours.gain - theirs.gain).max() < 0.01 * theirs.gain.max()
         assert np.abs(ours.offset - theirs.offset).max() < 0.01 * theirs.offset.max()
         order = np.log2(reaction.quality.energy_error_share / measure(finer, motion).energy_error_share)

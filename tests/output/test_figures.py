@@ -150,7 +150,7 @@ def test_an_arm_overhead_is_not_cut_off(
     assert table["z_m"].max() > 1.95
     assert_nothing_is_cut(figure)
     assert len({panel.get_ylim() for panel in figure.axes[:8]}) == 1  # all people are of one scale
-    clip = motion_clip_of(reaction_requests(paper)[0], raised[0])
+    clip = motion_clip_of(reaction_requests(paper)[0], raised[0], parameters)
     assert_nothing_is_cut(filmstrip([clip], []))
 
 

@@ -19,7 +19,7 @@ from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.core.text import listing, percent, percent_range, significant
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.parameters import ENTRIES, JOINT_GROUPS, highest_fatigue
+from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS, highest_fatigue
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text

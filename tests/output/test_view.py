@@ -24,7 +24,7 @@ from scipy.spatial import ConvexHull
 
 from fatigue_planner.cli.view import view
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import JOINTS
@@ -46,7 +46,8 @@ SHOWN = "average_man/low/back"
 
 @pytest.fixture(scope="module")
 def clips(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[MotionClip]:
-    return [motion_clip_of(*pair) for pair in zip(reaction_requests(paper), reactions, strict=True)]
+    parameters = worker_fatigue(paper)["average_man"]
+    return [motion_clip_of(*pair, parameters) for pair in zip(reaction_requests(paper), reactions, strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -157,14 +158,14 @@ def test_shares_and_colours(shown: MotionClip, paper: Experiment) -> None:
 
 def test_the_tool_is_shown_while_held(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """Held only for the work, it is no part of the centre of mass before; weightless, it is not there."""
-    request = reaction_requests(paper)[0]
+    request, parameters = reaction_requests(paper)[0], worker_fatigue(paper)["average_man"]
     working = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"held": "work"})))
-    clip = motion_clip_of(working, reactions[0])
+    clip = motion_clip_of(working, reactions[0], parameters)
     assert [len(clip.instant(clip.tick(time)).tools) for time in (1.0, 8.0, 15.0)] == [0, 1, 0]
-    always = motion_clip_of(request, reactions[0])
+    always = motion_clip_of(request, reactions[0], parameters)
     assert always.instant(0).centre_of_mass_m[2] < clip.instant(0).centre_of_mass_m[2]
     none = replace(request, motion=replace(request.motion, tool=paper.tool.model_copy(update={"mass_kg": 0.0})))
-    assert not motion_clip_of(none, reactions[0]).instant(500).tools
+    assert not motion_clip_of(none, reactions[0], parameters).instant(500).tools
 
 
 def test_the_shapes_are_closed_and_of_the_bodys_size(shown: MotionClip) -> None:

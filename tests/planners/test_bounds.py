@@ -12,13 +12,13 @@ from small_problems import choice_probabilities
 from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.planners.bounds import sub_solution
 from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, bound_of, cost_lower_bound
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
 from fatigue_planner.planners.bounds.sub_solution import reaction_extremes
-from fatigue_planner.planners.bounds.task import HistoryClasses, hidden_state, known_state
+from fatigue_planner.planners.bounds.task import HistoryClasses, Task, hidden_state
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
@@ -82,6 +82,12 @@ def bound(model: Model, belief: Start, n_cycles: int, **effort: int) -> CostBoun
         model.gain, model.offset, model.expertise, belief.states, belief.weights, model.discount, model.entries,
         n_cycles, **effort,
     )  # fmt: skip
+
+
+def known(model: Model, expertise: float) -> Task:
+    """The task of whoever knows that the worker starts as in SINGLE."""
+    weight, no_posture = np.full(4, 1 / 8), np.zeros(model.gain.shape[:2])
+    return Task(model.gain, model.offset, SINGLE.states[0], weight, no_posture, expertise, 0.9)
 
 
 def optimum(model: Model, belief: Start, n_cycles: int) -> float:
@@ -201,7 +207,7 @@ def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
 
 def test_the_boxes_hold_every_state_of_their_class() -> None:
     model = small_model(0)
-    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    task = hidden_state(known(model, 0.0), np.ones(4), 8, SEVERAL.states, SEVERAL.weights)
     tree = look_ahead([task], np.ones(1), 6, 2, 10_000)
     assert len(tree.states[:, 0]) == 4**6
     states = HistoryClasses(task, 2, 6).states(6)
@@ -216,7 +222,7 @@ def test_the_boxes_hold_every_state_of_their_class() -> None:
 
 def test_a_hidden_state_merges_the_entries_that_start_alike() -> None:
     model = small_model(0)
-    task = hidden_state(model.gain, model.offset, SEVERAL.states, SEVERAL.weights, 0.9, 8)
+    task = hidden_state(known(model, 0.0), np.ones(4), 8, SEVERAL.states, SEVERAL.weights)
     assert sorted(task.start) == [0, 0, 0, 0.1, 0.6, 0.8, 0.9]
     costs = [weight * model.cost(state) for weight, state in zip(SEVERAL.weights, SEVERAL.states, strict=True)]
     assert np.square(task.start) @ task.cost_weight == pytest.approx(sum(costs))
@@ -228,7 +234,7 @@ def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, pr
     """No linear function of the probabilities is lower at a state of the box than at every extreme."""
     rng = np.random.default_rng(0)
     model = small_model(expertise, preferences=preferences)
-    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    task = known(model, expertise)
     states = HistoryClasses(task, 1, 5).states(3)
     extremes = reaction_extremes(task, states)
     np.testing.assert_allclose(extremes.sum(axis=-1), 1, rtol=1e-12)
@@ -244,7 +250,7 @@ def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, pr
 @pytest.mark.parametrize("expertise", EXPERTISE)
 def test_the_choice_is_that_of_the_model(expertise: float) -> None:
     model = small_model(0)
-    task = known_state(model.gain, model.offset, expertise, SINGLE.states[0], 0.9, 8)
+    task = known(model, expertise)
     costs = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.1], [0.0, 0.0, 0.0]])
     expected = [choice_probabilities(row, expertise) for row in costs]
     np.testing.assert_allclose(task.choice(costs), expected, rtol=1e-14)
@@ -284,7 +290,7 @@ def situation_of(model: Model, belief: Start) -> Scenario:
     """The package's own model of the same problem."""
     rest = model.entries - model.gain.shape[2]
     zeros, ones = np.zeros((1, model.entries)), np.ones(model.entries)
-    loaded = CycleProfile(np.pad(np.ones((1, 4)), [(0, 0), (0, rest)]), zeros, zeros, ones, ones, ones)
+    loaded = DoseProfile(np.pad(np.ones((1, 4)), [(0, 0), (0, rest)]), zeros, zeros, ones, ones, ones)
     names = "abc"[: len(model.gain)], "xyz"[: model.gain.shape[1]]
     worker = one_worker(model.expertise)
     blank = build_pomdp(*names, dict.fromkeys(product(*names), loaded), zeros, worker, model.discount)

@@ -80,4 +80,4 @@ def test_lookahead_over_plans_rises_with_its_depth_and_stays_below_the_optimum()
 def test_undiscounted_plans_have_no_value() -> None:
     gain = np.full((1, 1, 1, 8), 0.5)
     with pytest.raises(ExperimentError, match="discount below 1"):
-        plan_values(gain, gain, 1.0, 8)
+        plan_values(gain, gain, 1.0, 8, np.ones(8), np.zeros((1, 1)))

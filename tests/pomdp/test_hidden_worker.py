@@ -20,7 +20,7 @@ from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import cycle_profile
+from fatigue_planner.fatigue.laws.ma import MaLaw
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.planners.baselines import GreedyPolicy
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
@@ -133,14 +133,14 @@ def test_the_belief_that_fits() -> None:
 def test_maps_for_other_rates_are_those_of_eq_2() -> None:
     """Gain and offset with k and R multiplied, against Runge-Kutta steps through Eq. 2, tick by tick."""
     rng = np.random.default_rng(5)
-    ticks, step = 40, 0.1
+    ticks, step, law = 40, 0.1, MaLaw(kind="ma")
     torque = rng.normal(0, 3, (5, 39)).repeat(8, axis=0) + rng.normal(0, 0.5, (ticks, 39))
     parameters = FatigueParameters(
-        rng.uniform(0.01, 0.5, 78), rng.uniform(0.01, 0.5, 78), np.full(78, 0.2), np.full(78, 10.0)
+        *rng.uniform(0.01, 0.5, (2, 78)), np.ones(78), np.full(78, 0.2), np.full(78, 10.0), law, None
     )
     load_fraction = np.hstack([np.maximum(torque, 0), np.maximum(-torque, 0)]) / 10
     factors = [(1.0, 1.0), (0.3, 2.0), (4.0, 0.5)]
-    gains, offsets = cycle_profile(torque, step, parameters).maps(*np.transpose(factors))
+    gains, offsets = law.profile(load_fraction, step, parameters).maps(*np.transpose(factors))
     start = rng.uniform(0, 1, 78)
     for (faster, sooner), gain, offset in zip(factors, gains, offsets, strict=True):
         k, r, f = faster * parameters.fatigue_rate, sooner * parameters.recovery_rate, start.copy()

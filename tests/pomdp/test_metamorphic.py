@@ -77,7 +77,7 @@ def scaled(belief: ExactBelief, factor: float) -> ExactBelief:
     model = belief.model
     if isinstance(model, FatiguePomdp):
         assert model.arrays.even
-        arrays = model.arrays._replace(cost_scale=model.arrays.cost_scale * factor)
+        arrays = model.arrays._replace(cost=model.arrays.cost._replace(scale=model.arrays.cost.scale * factor))
     else:
         arrays = model.arrays._replace(reward=model.arrays.reward * factor)
     return replace(belief, model=replace(model, arrays=arrays))

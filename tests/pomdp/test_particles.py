@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, build_pomdp, one_worker
@@ -30,7 +30,7 @@ def small_model(workers: Workers, recognition: np.ndarray | None = None) -> Fati
         dose, rest = rng.uniform(0, 0.4, (2, ENTRIES)), rng.uniform(0, 0.4, (3, ENTRIES))
         later_dose = np.array([dose[1], np.zeros(ENTRIES)])
         later_rest = np.array([rest[1] + rest[2], rest[2]])
-        profiles[pair] = CycleProfile(dose, later_dose, later_rest, rest.sum(axis=0), np.ones(3), np.full(3, 0.8))
+        profiles[pair] = DoseProfile(dose, later_dose, later_rest, rest.sum(axis=0), np.ones(3), np.full(3, 0.8))
     return build_pomdp("ab", "xy", profiles, np.zeros((1, ENTRIES)), workers, 0.95, recognition, "xy")
 
 
@@ -187,7 +187,7 @@ def test_exact_belief_forgets_no_state_that_is_possible() -> None:
 
 def test_states_that_coincide_are_one() -> None:
     """Two reactions with the same effect, seen through noise: one state, with both their weights."""
-    still = CycleProfile(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)), np.ones(3), np.ones(3), np.ones(3))
+    still = DoseProfile(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)), np.ones(3), np.ones(3), np.ones(3))
     profiles = dict.fromkeys(product("ab", "xy"), still)
     model = build_pomdp("ab", "xy", profiles, STARTS, one_worker(0.0), 0.95, NOISY, "xy")
     belief, rng = ExactBelief(model, starts(model), np.array([0.2, 0.5, 0.3])), np.random.default_rng(0)

@@ -21,7 +21,8 @@ from small_problems import (
 
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.fatigue.laws.ma import DoseProfile
+from fatigue_planner.fatigue.load import cycle_profile
 from fatigue_planner.fatigue.parameters import fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy
@@ -63,9 +64,7 @@ def test_active_entries_change_nothing(paper: Experiment, reactions: tuple[React
     assert model.entries == 78 and len(model.active_entries) < 40
     assert state.size == len(model.active_entries) + -len(model.active_entries) % LANES + 1
     parameters = fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
-    maps = {
-        str(r.name): cycle_profile(r.motion.torque_nm, r.motion.time_step_s, parameters).cycle_map() for r in reactions
-    }
+    maps = {str(r.name): cycle_profile(r.motion, parameters).cycle_map() for r in reactions}
     full = np.zeros(78)
     full[model.active_entries] = state[: len(model.active_entries)]
     np.testing.assert_array_equal(model.state(full), state)
@@ -81,7 +80,7 @@ def test_active_entries_change_nothing(paper: Experiment, reactions: tuple[React
 def test_a_task_that_tires_nobody_can_be_planned() -> None:
     """Loads below every threshold: no entry ever becomes non-zero, and every policy still answers."""
     none, rates = np.zeros((1, 3)), (np.ones(3), np.ones(3))
-    profiles = {(a, u): CycleProfile(none, none, none, np.full(3, 9.0), *rates) for a, u in product("ab", "xy")}
+    profiles = {(a, u): DoseProfile(none, none, none, np.full(3, 9.0), *rates) for a, u in product("ab", "xy")}
     model = build_pomdp("ab", "xy", profiles, np.zeros((1, 3)), one_worker(0.0), 0.95)
     assert model.active_entries.size == 0
     decision = PomcpPolicy(pomcp(20)).act(relaxed(model), np.random.default_rng(0))
@@ -103,7 +102,7 @@ def test_no_entry_that_is_never_loaded_changes_anything() -> None:
     """Such entries are left out; kept in, padded to other lengths, they give the same tree."""
     extra = np.zeros((1, LANES))
     wider = {
-        name: CycleProfile(
+        name: DoseProfile(
             *(np.hstack([runs, extra]) for runs in (p.dose_s, p.later_dose_s, p.later_rest_s)),
             *(np.append(values, np.ones(LANES)) for values in (p.rest_s, p.fatigue_rate, p.recovery_rate)),
         )

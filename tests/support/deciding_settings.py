@@ -88,9 +88,22 @@ def _experiment() -> Content:
              "weight": 1.0},
         ]
     }  # fmt: skip
-    content["fatigue"]["joints"] = {
-        "lumbar_flexion": {"fatigue_rate_per_s": 0.02, "recovery_rate_per_s": 0.05, "threshold": 0.05}
-    }
+    content["fatigue"] |= {
+        "law": {"kind": "3cc_r"}, "rates": "frey_law_2012", "rest_multiplier": 15.0,
+        "strength_by_angle": ["medx_lumbar", "kamon_arm"],
+        "joints": {
+            "lumbar_flexion": {
+                "fatigue_rate_per_s": 0.02, "recovery_rate_per_s": 0.05, "rest_multiplier": 10.0, "threshold": 0.05,
+            }
+        },
+    }  # fmt: skip
+    content["cost"] = {
+        "fatigue": "mean_square", "weights": {"lumbar_flexion": 2.0},
+        "posture": [
+            {"kind": "upper_arm_raised", "angle_deg": 60.0, "weight": 0.01},
+            {"kind": "trunk_bent", "angle_deg": 30.0, "weight": 0.02},
+        ],
+    }  # fmt: skip
     kinds = (CHOICE, LOGNORMAL, UNIFORM)
     content["hidden_workers"] = {
         f"unknown_{turn}": {name: kinds[(index + turn) % 3] for index, name in enumerate(HIDDEN)} for turn in range(3)
@@ -185,7 +198,15 @@ RULES = (
          reactions=lambda leaf, name: name[1] == leaf.path[1]),
     Rule(("preferences.*",), "how the body moves with this preference",
          reactions=lambda leaf, name: name[2] == leaf.path[1]),
-    Rule(("fatigue.*",), "how torques tire: no motion, but every run", **EVERYWHERE),
+    Rule(
+        (
+            "fatigue.law.*", "fatigue.fatigue_rate_per_s", "fatigue.recovery_rate_per_s", "fatigue.rest_multiplier",
+            "fatigue.threshold", "fatigue.strength_by_angle.*", "fatigue.joints.*",
+        ),
+        "how torques tire: no motion, but every run", **EVERYWHERE,
+    ),
+    Rule(("fatigue.rates",), "the rates of joints, all of which are replaced here by what is given for all"),
+    Rule(("cost.*",), "what is minimised, and what experts compare: no motion, but every run and bound", **EVERYWHERE),
     Rule(("discount",), "what later cycles count: every return, decision and bound", **EVERYWHERE),
     Rule(
         ("initial_beliefs.*",),
@@ -256,10 +277,15 @@ def _others(leaf: Leaf) -> Iterator[Content]:
             if other.name.startswith(f"{union}.<") and other.path[-1] == "kind" and other.value != value:
                 yield {above: inside(EXPERIMENT, other.path[:-1])}
         hidden = EXPERIMENT["hidden_workers"]
+        yield {("fatigue",): {"law": {"kind": "ma"}}} if leaf.name.startswith("fatigue.law.") else {}
         exact = {("hidden_workers", name): dict.fromkeys(HIDDEN, CHOICE) for name in hidden}
         yield {("belief",): {"kind": "exact"}} | exact if leaf.path[0] == "belief" else {}
     elif isinstance(value, bool):
         yield {path: not value}
+    elif leaf.name == "fatigue.rates":
+        yield {path: None}
+    elif leaf.name == "cost.fatigue":  # which no leaf value of cyclic plans goes with
+        yield {path: "worst_joint", ("benchmark", "reference", "leaf_value"): "none"}
     elif isinstance(value, str):
         yield from ({path: choice} for choice in leaf.choices)
         yield from ({above: [choice]} for choice in leaf.choices)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
-from fatigue_planner.core.plugins import Registry
+from fatigue_planner.core.plugins import Registry, annotation_of
 from fatigue_planner.core.settings import Settings
 
 Path = tuple[str | int, ...]
@@ -31,7 +31,7 @@ def schema_leaves(annotation: Any, name: str = "") -> set[str]:
     for kind, below in _ways(annotation, name):
         if isinstance(kind, type) and issubclass(kind, Settings):
             for key, field in kind.model_fields.items():
-                found |= schema_leaves(field.annotation, _join(below, field.alias or key))
+                found |= schema_leaves(annotation_of(field), _join(below, field.alias or key))
         elif get_origin(kind) is dict:
             found |= schema_leaves(get_args(kind)[1], _join(below, "*"))
         elif get_origin(kind) is tuple:
@@ -49,7 +49,7 @@ def leaves(value: Any, annotation: Any, name: str = "", path: Path = ()) -> Iter
         below = name if len(list(_ways(annotation, name))) < 2 else _join(name, f"<{_tag(type(value))}>")
         for key, field in type(value).model_fields.items():
             alias = field.alias or key
-            yield from leaves(getattr(value, key), field.annotation, _join(below, alias), (*path, alias))
+            yield from leaves(getattr(value, key), annotation_of(field), _join(below, alias), (*path, alias))
         return
     kinds = [kind for kind, _ in _ways(annotation, name)]
     if isinstance(value, dict):

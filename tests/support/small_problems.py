@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fatigue_planner.core.jit import compiled
+from fatigue_planner.fatigue.laws.ma import DoseProfile
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
@@ -38,7 +39,7 @@ def small_profiles() -> dict[tuple[str, str], CycleProfile]:
     rates = np.full(3, 0.01667), np.full(3, 0.04)
     zeros = np.zeros((1, 3))
     return {
-        name: CycleProfile(rng.uniform(5, 60, (1, 3)), zeros, zeros, rng.uniform(2, 15, 3), *rates)
+        name: DoseProfile(rng.uniform(5, 60, (1, 3)), zeros, zeros, rng.uniform(2, 15, 3), *rates)
         for name in product("ab", "xy")
     }
 

@@ -7,11 +7,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.fatigue.model import CycleProfile, loads
-from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.load import load_share, loads, strength_nm
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.motion.action import Action
 from fatigue_planner.output.figures.postures import FEW
 from fatigue_planner.output.figures.style import COLOURS, house_style, new_figure, set_title
+from fatigue_planner.pomdp.cost import FatigueCost
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 MAX_LOADED = 6  # entries drawn over time
@@ -19,15 +22,17 @@ FEWEST_PLACES = 6
 
 
 def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]) -> pd.DataFrame:
-    """Mean load of every entry during work: N.m, share of the worker's maximum torque, and the threshold."""
+    """Mean load of every entry during work: N.m, share of the worker's (mean) strength, and the threshold."""
     rows = []
     for reaction in reactions:
         own = parameters[reaction.name.worker]
-        mean = loads(reaction.motion.torque_nm[reaction.motion.phase("work")]).mean(axis=0)
+        work = reaction.motion.phase("work")
+        mean, strength = loads(reaction.motion.torque_nm[work]).mean(axis=0), strength_nm(reaction.motion, own)
+        most = strength[0] if len(strength) == 1 else strength[work].mean(axis=0)
         rows += [
             reaction.name._asdict()
-            | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / most, "threshold": threshold}
-            for entry, torque, most, threshold in zip(ENTRIES, mean, own.maximum_torque_nm, own.threshold, strict=True)
+            | {"entry": entry, "mean_torque_nm": torque, "share_of_maximum": torque / strongest, "threshold": threshold}
+            for entry, torque, strongest, threshold in zip(ENTRIES, mean, most, own.threshold, strict=True)
         ]
     return pd.DataFrame(rows)
 
@@ -101,7 +106,7 @@ def course_figure(
     across = min(len(reactions), 4)
     figure = new_figure(2.6 * across + 1.6, 2.1 * -(-len(reactions) // across) + 0.4)
     axes = figure.subplots(-(-len(reactions) // across), across, squeeze=False, sharex=True, sharey=True)
-    shares = [loads(r.motion.torque_nm) / parameters[r.name.worker].maximum_torque_nm for r in reactions]
+    shares = [load_share(r.motion, parameters[r.name.worker]) for r in reactions]
     drawn = np.argsort(-np.max([share.mean(axis=0) for share in shares], axis=0))[:MAX_LOADED]
     rows = []
     for panel in axes.flat[len(reactions) :]:
@@ -144,11 +149,13 @@ def entry_label(entry: str) -> str:
     return f"{format_label(freedom)} {'+' if direction == 'positive' else '−'}"
 
 
-def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, CycleProfile]) -> pd.DataFrame:
+def place_table(
+    actions: Mapping[str, Action], profiles: Mapping[ReactionName, CycleProfile], cost: FatigueCost
+) -> pd.DataFrame:
     """Where each action begins its work (its first hand), and the long-run cost of every reaction there.
 
-    The long-run cost is that of Eq. 5, the mean of the squared fatigue, after the same reaction has been
-    repeated for ever: at the fixed point f = b / (1 - a) of its cycle map.
+    The long-run cost is that after the same reaction has been repeated for ever: at the fixed point f = b / (1 - a) of
+    its cycle map.
     """
     rows = []
     for name, profile in profiles.items():
@@ -158,7 +165,12 @@ def place_table(actions: Mapping[str, Action], profiles: Mapping[ReactionName, C
         fatigue = np.where(cycle.offset > 0, cycle.offset / np.maximum(1 - cycle.gain, 1e-300), 0.0)
         rows.append(
             name._asdict()
-            | {"x_m": position.x, "y_m": position.y, "z_m": position.z, "long_run_cost": float(np.mean(fatigue**2))}
+            | {
+                "x_m": position.x,
+                "y_m": position.y,
+                "z_m": position.z,
+                "long_run_cost": float(cost.of(fatigue)) + profile.posture_cost,
+            }
         )
     return pd.DataFrame(rows)
 

@@ -13,8 +13,9 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from fatigue_planner.core.text import format_label
-from fatigue_planner.fatigue.model import loads
-from fatigue_planner.fatigue.parameters import FatigueParameters, joint_load_fractions
+from fatigue_planner.fatigue.entries import joint_load_fractions
+from fatigue_planner.fatigue.load import load_share
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import JOINTS, SIDES
 from fatigue_planner.output.figures.style import SETTINGS, house_style, new_figure, set_title, wrapped
@@ -143,9 +144,7 @@ def posture_figure(
     for index, reaction in enumerate(reactions):
         tick = reaction.motion.middle("work")
         points = landmarks(human, reaction.motion.configuration[tick])
-        shares = joint_load_fractions(
-            loads(reaction.motion.torque_nm[tick : tick + 1])[0] / parameters.maximum_torque_nm
-        )
+        shares = joint_load_fractions(load_share(reaction.motion, parameters)[tick])
         row, column = divmod(index, across)
         for number, view in enumerate(views):
             panel = axes[row * len(views) + number, column]

@@ -6,8 +6,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.fatigue.model import loads
-from fatigue_planner.fatigue.parameters import joint_load_fractions
+from fatigue_planner.fatigue.entries import joint_load_fractions
+from fatigue_planner.fatigue.load import loads, strength_nm
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH
@@ -18,6 +19,7 @@ from fatigue_planner.motion.settings import Side
 from fatigue_planner.reactions.reaction import Reaction, ReactionRequest
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 MIN_FORCE_N = 1.0  # below, a sole has no centre of pressure worth showing
 
@@ -52,7 +54,7 @@ class MotionClip:
     """One cycle of T ticks to be shown.
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
-    have a goal; `maximum_torque_nm` (78,) the strengths of `ENTRIES`; `objects` the poses at which the robot
+    have a goal; `strength_nm` (T or 1, 78) that of `ENTRIES`; `objects` the poses at which the robot
     presents the object, one per hand and waypoint; `remarks` what there is to say of the motion, as `simulate` does.
     """
 
@@ -62,7 +64,7 @@ class MotionClip:
     runs: tuple[Run, ...]
     working: tuple[Side, ...]
     motion: Motion
-    maximum_torque_nm: Vector
+    strength_nm: Matrix
     objects: tuple[Pose, ...]
     remarks: tuple[str, ...] = ()
 
@@ -96,7 +98,7 @@ class MotionClip:
         return Instant(
             positions=np.array([pose[body].translation for body in BODIES]),
             rotations=np.array([pose[body].rotation for body in BODIES]),
-            joint_share=joint_load_fractions(load / self.maximum_torque_nm),
+            joint_share=joint_load_fractions(load / self.strength_nm[tick % len(self.strength_nm)]),
             centre_of_mass_m=centre.copy(),
             tools=tuple(
                 Pose(pose[f"{side}_grip"].translation.copy(), pose[f"{side}_grip"].rotation.copy())
@@ -107,7 +109,7 @@ class MotionClip:
         )
 
 
-def motion_clip_of(request: ReactionRequest, reaction: Reaction) -> MotionClip:
+def motion_clip_of(request: ReactionRequest, reaction: Reaction, parameters: FatigueParameters) -> MotionClip:
     """What there is to see of a reaction. All that depends on how a reaction is asked for is read here."""
     settings, motion = request.motion, reaction.motion
     human = build_human(settings.worker)
@@ -121,7 +123,7 @@ def motion_clip_of(request: ReactionRequest, reaction: Reaction) -> MotionClip:
         runs=runs,
         working=tuple(goals),
         motion=motion,
-        maximum_torque_nm=np.concatenate(settings.maximum_torque.vectors()),
+        strength_nm=strength_nm(motion, parameters),
         objects=tuple(waypoint.pose(home) for goal in goals.values() for waypoint in goal.path()),
         remarks=tuple(reaction.quality.remarks()),
     )

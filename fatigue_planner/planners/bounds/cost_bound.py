@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.sub_solution import cost_to_go
-from fatigue_planner.planners.bounds.task import HistoryClasses, class_memory, hidden_state, known_state
+from fatigue_planner.planners.bounds.task import HistoryClasses, Task, class_memory, hidden_state
 from fatigue_planner.pomdp.scenario import Scenario
 
 Vector = NDArray[np.float64]
@@ -80,21 +80,25 @@ def cost_lower_bound(
     n_cycles: int,
     classes: int = CLASSES,
     leaves: int = LEAVES,
+    entry_weight: Vector | None = None,
+    posture_cost: Array | None = None,
 ) -> CostBound:
     """Bound E[sum over t = 0 ... n_cycles - 1 of discount^t C(f_t+1)] from below, for every policy.
 
     gain, offset (A, U, L): the cycle map of every reaction; expertise: beta of Eq. 4, 0 to infinity;
-    states (n, L), weights (n,): the initial belief; entries: 2N of Eq. 5, C(f) = sum of f^2 / 2N. More
+    states (n, L), weights (n,): the initial belief; entries: 2N of Eq. 5, C(f) = sum of w f^2 / 2N + p with w =
+    entry_weight (L,), in the paper 1, and p = posture_cost (A, U) of the reaction before, in the paper 0. More
     `classes` of histories, and more `leaves` in the exact tree of the first cycles, make the bound
     tighter and take more time. Raises ValueError if a gain is negative.
     """
     begin = time.perf_counter()
     if (gain < 0).any():
         raise ValueError("The bound needs gains of at least 0.")
+    w = np.ones(gain.shape[2]) if entry_weight is None else entry_weight
+    p = np.zeros(gain.shape[:2]) if posture_cost is None else posture_cost
+    tasks, start_weights = [Task(gain, offset, s, w / entries, p, expertise, discount) for s in states], weights
     if expertise == 0:
-        tasks, start_weights = [hidden_state(gain, offset, states, weights, discount, entries)], np.ones(1)
-    else:
-        tasks, start_weights = [known_state(gain, offset, expertise, s, discount, entries) for s in states], weights
+        tasks, start_weights = [hidden_state(tasks[0], w, entries, states, weights)], np.ones(1)
     memory = min(class_memory(tasks[0].branches, classes), n_cycles)
     lookahead = look_ahead(tasks, start_weights, n_cycles, memory, leaves)
     if len(lookahead.levels) < memory:  # a choice too close to call; classes can remember no more
@@ -118,10 +122,11 @@ def cost_lower_bound(
 
 
 def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
-    """The bound of a scenario whose worker is known."""
+    """The bound of a scenario whose worker is known. Raises ExperimentError if the cost is no quadratic."""
     model = scenario.model
+    model.cost.check_quadratic("the bound of the cost")
     active = model.active_entries.size
-    if active == 0:  # nothing ever tires
+    if active == 0 and not model.posture_cost.any():  # nothing ever costs anything
         return CostBound(cost=0.0, exact=True, state_revealed=False, exact_cycles=n_cycles, memory=0, seconds=0.0)
     shape = (len(model.actions), len(model.outcomes), -1)
     return cost_lower_bound(
@@ -133,6 +138,8 @@ def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
         model.discount,
         model.entries,
         n_cycles,
+        entry_weight=model.arrays.cost.weight[:active],
+        posture_cost=model.posture_cost,
     )
 
 
@@ -147,4 +154,5 @@ def fingerprint(scenario: Scenario) -> dict[str, Any]:
         "states": scenario.states.tolist(),
         "weights": scenario.weights.tolist(),
         "discount": model.discount,
+        "cost": [model.cost.kind, model.arrays.cost.weight.tolist(), model.posture_cost.tolist()],
     }

@@ -69,7 +69,7 @@ def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: in
     levels: list[Level] = []
     while len(levels) < n_cycles:
         after = task.gain[:, :, None] * states[:, None, None] + task.offset[:, :, None]
-        cost = np.moveaxis(np.square(after) @ task.cost_weight, -1, 1)
+        cost = np.moveaxis(np.square(after) @ task.cost_weight, -1, 1) + task.posture_cost
         if task.expertise > DECISIVE and (np.sort(cost)[..., 1:2] - cost.min(axis=-1, keepdims=True) < TOO_CLOSE).any():
             break
         joint = probability[:, :, None, None] * task.choice(cost)

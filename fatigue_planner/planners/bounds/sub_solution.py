@@ -67,7 +67,7 @@ def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Qu
     e = after - transition.then.typical[transition.successors]
     future = later[transition.successors]
     return Quadratics(
-        np.square(after) @ weight + discount * future.at(e),
+        np.square(after) @ weight + task.posture_cost.ravel() + discount * future.at(e),
         gain * (2 * weight * after + discount * (future.slope + 2 * future.curvature * e)),
         np.square(gain) * (weight + discount * future.curvature),
     )
@@ -146,7 +146,7 @@ def probability_ranges(task: Task, states: ClassStates) -> tuple[Array, Array]:
     """
     after = task.gain * states.typical[:, None, None] + task.offset
     cost = Quadratics(
-        np.square(after) @ task.cost_weight,
+        np.square(after) @ task.cost_weight + task.posture_cost,
         2 * task.cost_weight * task.gain * after,
         np.broadcast_to(task.cost_weight * np.square(task.gain), after.shape),
     )

@@ -1,7 +1,7 @@
 """The planning problem from one known state, as plain arrays, and the states that its histories can lead to."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,15 @@ Array = NDArray[np.float64]
 class Task:
     """One known initial state and what every reaction does to it.
 
-    gain, offset (A, U, L); start (L,); cost_weight (L,): C(f) = sum of cost_weight * f^2; expertise:
-    beta of Eq. 4, 0 to infinity, with the costs C.
+    gain, offset (A, U, L); start (L,); cost_weight (L,), posture_cost (A, U): C(f) = sum of cost_weight * f^2 +
+    posture_cost after a reaction; expertise: beta of Eq. 4, 0 to infinity, with the costs C.
     """
 
     gain: Array
     offset: Array
     start: Vector
     cost_weight: Vector
+    posture_cost: Array
     expertise: float
     discount: float
 
@@ -41,23 +42,20 @@ class Task:
         return np.asarray(relative / relative.sum(axis=-1, keepdims=True))
 
 
-def known_state(gain: Array, offset: Array, expertise: float, state: Vector, discount: float, entries: int) -> Task:
-    """The task of a policy that knows the initial state (L,)."""
-    return Task(gain, offset, state, np.full(state.size, 1 / entries), expertise, discount)
-
-
-def hidden_state(gain: Array, offset: Array, states: Array, weights: Vector, discount: float, entries: int) -> Task:
+def hidden_state(task: Task, entry_weight: Vector, entries: int, states: Array, weights: Vector) -> Task:
     """The task of a policy for a novice that does not know which of the states (n, L) is the true one.
 
     The same reactions move all of them, so they are one state of n L entries, each with the cost of its
-    probability (n,). Entries that start equal stay equal and are merged.
+    probability (n,). Entries that start equal stay equal and are merged. `task` is that of a known state, entry_weight
+    (L,) and `entries` (2N) its cost: C(f) = sum of entry_weight f^2 / 2N + posture_cost.
     """
     n, length = states.shape
     pairs = np.stack([np.tile(np.arange(length), n), states.ravel()])
     distinct, group = np.unique(pairs, axis=1, return_inverse=True)
     entry = distinct[0].astype(np.intp)
-    cost_weight = np.bincount(group.ravel(), weights=np.repeat(weights, length)) / entries
-    return Task(gain[:, :, entry], offset[:, :, entry], distinct[1], cost_weight, 0.0, discount)
+    cost_weight = np.bincount(group.ravel(), weights=np.repeat(weights, length)) * entry_weight[entry] / entries
+    gain, offset = task.gain[:, :, entry], task.offset[:, :, entry]
+    return replace(task, gain=gain, offset=offset, start=distinct[1], cost_weight=cost_weight)
 
 
 def class_memory(branches: int, classes: int) -> int:

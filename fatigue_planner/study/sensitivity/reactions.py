@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from fatigue_planner.core.errors import LostWorkError
 from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import DIGEST_LENGTH
-from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
+from fatigue_planner.experiment.build import reaction_profile, reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile, cycle_profile
+from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, digests
@@ -82,10 +82,9 @@ def react(
         assert isinstance(reaction, Reaction)  # failed ones are not among the good
         for point, experiment, name in needs[request.digest, request.accuracy]:
             if point.name not in reasons:
-                parameters = worker_fatigue(experiment)[name.worker]
-                profiles[point.name][name] = cycle_profile(
-                    reaction.motion.torque_nm, reaction.motion.time_step_s, parameters
-                )
+                parameters = worker_fatigue(experiment)
+                own = reaction_profile(experiment, parameters, name.worker, reaction.motion)
+                profiles[point.name][name] = own
     return [_reacted(point, profiles[point.name], reasons.get(point.name, [])) for point in points]
 
 

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from fatigue_planner.core.text import fixed, signed_percent
-from fatigue_planner.fatigue.parameters import FatigueSettings
+from fatigue_planner.fatigue.parameters import FatigueParameters, FatigueSettings, fatigue_parameters
+from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import Worker, build_human
 from fatigue_planner.output.reports.human import tables, torques
 from fatigue_planner.output.reports.human.references import references
@@ -29,11 +31,13 @@ def human_page(
 ) -> str:
     """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it.
 
-    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page. Both may be left out.
+    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page. Both may be left
+    out.
     """
     human = build_human(worker)
     postures, from_hand = torques.postures(worker, human)
-    endurance = tables.endurance(fatigue.fatigue_rate_per_s)
+    parameters = fatigue_parameters(fatigue, maximum_torque(worker.strength))
+    endurance = tables.endurance(parameters)
     loader = PackageLoader("fatigue_planner.output.reports.human", "")
     environment = Environment(
         loader=loader, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
@@ -66,9 +70,20 @@ def human_page(
         strengths=tables.strengths(worker),
         strength_sets=tables.strength_sets(),
         endurance=endurance,
-        fatigue_rate_per_min=60 * fatigue.fatigue_rate_per_s,
+        model=model_in_words(parameters),
         from_general=abs(endurance.deviations["general"]),
         tolerance=TOLERANCE,
+    )
+
+
+def model_in_words(parameters: FatigueParameters) -> str:
+    """What the column of the fatigue law's endurance times is."""
+    rates = np.unique(parameters.fatigue_rate)
+    if parameters.law.kind == "ma" and rates.size == 1:
+        return f"−ln(f) / (k f) with k = {fixed(60 * float(rates[0]), 2)} per minute for every joint"
+    return (
+        f"the law {parameters.law.kind} from rest until f = 1 − fatigue, in each bracket with the rates of the curve's "
+        "joint, in its own column with those of the general curve"
     )
 
 

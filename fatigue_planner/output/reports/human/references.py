@@ -99,9 +99,13 @@ class MeasuredStrength(Settings):
 
 
 class Endurance(Settings):
-    """Endurance time at a constant share f of the strength: factor * f ** exponent, in seconds."""
+    """Endurance time at a constant share f of the strength: factor * f ** exponent, in seconds.
+
+    joint: whose rates the model has to compare with it; general: those of a joint without a curve of its own.
+    """
 
     source: str
+    joint: str
     factor: float
     exponent: float
 

@@ -2,12 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import log
 
 import numpy as np
 import pinocchio as pin
 
 from fatigue_planner.core.text import fixed, signed_percent
+from fatigue_planner.fatigue.entries import entry_indices
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.anthropometry import segment_table
 from fatigue_planner.human.joint_data import ranges_of_motion
 from fatigue_planner.human.model import Human, Worker
@@ -224,28 +225,28 @@ def strength_sets() -> SourcedTable:
     return table
 
 
-def endurance_time_s(load: float, fatigue_rate_per_s: float) -> float:
-    """Time until a constant load f, of the strength, cannot be held any more, by Eq. 2: -ln(f) / (k f)."""
-    return -log(load) / (fatigue_rate_per_s * load)
+def endurance_times_s(curve: Endurance, load: float, parameters: FatigueParameters) -> tuple[float, float]:
+    """How long a load, of the strength, can be held: by the worker's law at the curve's joint, and as measured."""
+    entry = entry_indices(curve.joint, "endurance")[0]
+    return float(parameters.law.endurance_s(load, parameters)[entry]), curve.time_s(load)
 
 
-def largest_deviation(curve: Endurance, fatigue_rate_per_s: float) -> float:
+def largest_deviation(curve: Endurance, parameters: FatigueParameters) -> float:
     """The relative deviation of the model from a curve, with its sign, where it is largest in .2 <= f <= .5."""
-    loads = np.linspace(*TESTED_LOADS, 61)
-    return max((endurance_time_s(f, fatigue_rate_per_s) / curve.time_s(f) - 1 for f in loads), key=abs)
+    times = [endurance_times_s(curve, float(load), parameters) for load in np.linspace(*TESTED_LOADS, 61)]
+    return max((model / measured - 1 for model, measured in times), key=abs)
 
 
-def endurance(fatigue_rate_per_s: float) -> SourcedTable:
-    """Endurance times by Ma's model and by the measured curves, with the largest deviation from each."""
+def endurance(parameters: FatigueParameters) -> SourcedTable:
+    """Endurance times by the worker's fatigue law and by the measured curves, with the largest deviation from each."""
     curves = references().endurance
     header = ["load f, of the strength", "model, s", *(f"{name}, s" for name in curves)]
     table = SourcedTable(header, cited=["frey_law", "kamon_endurance"])
     for load in ENDURANCE_LOADS:
-        model = endurance_time_s(load, fatigue_rate_per_s)
-        times = [curve.time_s(load) for curve in curves.values()]
-        cells = [f"{fixed(time, 0)} ({signed_percent(model / time - 1)})" for time in times]
-        table.rows.append([fixed(load), fixed(model, 0), *cells])
-    table.deviations.update({name: largest_deviation(curve, fatigue_rate_per_s) for name, curve in curves.items()})
+        times = {name: endurance_times_s(curve, load, parameters) for name, curve in curves.items()}
+        cells = [f"{fixed(measured, 0)} ({signed_percent(model / measured - 1)})" for model, measured in times.values()]
+        table.rows.append([fixed(load), fixed(times["general"][0], 0), *cells])
+    table.deviations.update({name: largest_deviation(curve, parameters) for name, curve in curves.items()})
     return table
 
 

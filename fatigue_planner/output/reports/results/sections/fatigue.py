@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from fatigue_planner.core.text import format_label, listing, percent
-from fatigue_planner.fatigue.parameters import highest_fatigue
+from fatigue_planner.fatigue.entries import highest_fatigue
 from fatigue_planner.output.figures.style import LINES, FigureFolder, house_style, look, new_figure, set_title
 from fatigue_planner.output.reports.html.blocks import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
+from fatigue_planner.output.reports.results.sections.law_limits import law_limits
 
 Array = NDArray[np.float64]
 
@@ -20,7 +21,7 @@ SMOOTHED_CYCLES = 10  # fatigue goes up and down with every action; the trend is
 
 
 def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
-    """How tired each group of joints gets under each policy in the longest runs."""
+    """How tired each group of joints gets under each policy in the longest runs, and the limits of the law."""
     longest = report_data.longest
     fatigue = {
         (condition, policy): np.array([course.fatigue for course in runs])
@@ -47,7 +48,10 @@ def fatigue_section(report_data: ReportData, figures: FigureFolder) -> Section:
     alternative = f"after {longest} cycles, averaged over the conditions, " + listing(sentences) + "."
     return Section(
         "Fatigue over the cycles",
-        [figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative)],
+        [
+            figures.add("fatigue", fatigue_figure(table, report_data.policies), table, caption, alternative),
+            *law_limits(report_data),
+        ],
     )
 
 

@@ -8,8 +8,9 @@ import pandas as pd
 
 from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.fatigue.model import CycleProfile
-from fatigue_planner.fatigue.parameters import ENTRIES, FatigueParameters
+from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import build_human
 from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.costs import (
@@ -57,7 +58,7 @@ def draw_reactions(
     profiles: Mapping[ReactionName, CycleProfile],
 ) -> list[Picture]:
     """Postures, loads and, for grids of poses, maps."""
-    places = place_table(experiment.actions, profiles)
+    places = place_table(experiment.actions, profiles, experiment.cost.fatigue_cost())
     pictures = []
     for worker, person in experiment.workers.items():
         several = len(experiment.workers) > 1

@@ -1,0 +1,1 @@
+"""How fatigue grows and fades: the kinds of fatigue laws; see `law.py`."""
