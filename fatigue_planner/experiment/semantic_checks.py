@@ -59,7 +59,7 @@ def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:
     for name, preference in experiment.preferences.items():
         for index, task in enumerate(preference.tasks):
             try:
-                task.build(human, state, experiment.controller.stiffness_per_s2)
+                task.build_stiffened(human, state, experiment.controller.stiffness_per_s2)
             except DataFileError as error:
                 yield f"preferences.{name}.tasks.{index}.{error}"
 

@@ -59,7 +59,7 @@ class Body:
         self.centre_m = np.array([x, y])
         self.balance = CentreOfMassTask(weights.centre_of_mass, stiffness.centre_of_mass, Coordinates(x=x, y=y))
         posture = WholePosture(weights.posture, stiffness.posture, self.human.stance[7:])
-        preferred = [task.build(self.human, state, stiffness) for task in request.preference.tasks]
+        preferred = [task.build_stiffened(self.human, state, stiffness) for task in request.preference.tasks]
         self.first_preferred = 1 + len(self.hands)
         self.controller = WholeBodyController(
             self.human, state, settings, request.maximum_torque.vectors(), posture,

@@ -1,6 +1,6 @@
 """What an experiment says of every motion: phases, weights, gains, limits and accuracy."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
@@ -69,6 +69,12 @@ class Stiffnesses(Settings):
     segment: Positive = Field(default=10.0, description="Gain of tasks on body segments in 1/s^2.")
     posture: Positive = Field(default=4.0, description="Gain of the joints towards a posture in 1/s^2.")
     contact: Positive = Field(default=100.0, description="Gain of the soles towards the ground in 1/s^2.")
+
+    def or_all(self, stiffness_per_s2: float | None) -> Self:
+        """These gains, or the given one in place of each."""
+        if stiffness_per_s2 is None:
+            return self
+        return type(self)(**dict.fromkeys(type(self).model_fields, stiffness_per_s2))
 
 
 class Regularisation(Settings):

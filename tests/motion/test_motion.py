@@ -456,6 +456,22 @@ def test_the_tool_held_at_work_only_keeps_every_bar(paper: Experiment) -> None:
         assert measure(lent, simulate(lent)).faults(paper.accuracy) == []
 
 
+def test_a_task_with_a_stiffness_of_its_own_moves_as_if_the_controller_had_it(paper: Experiment) -> None:
+    """The same bytes, and others than with the controller's own stiffness; no other task is touched."""
+    request = replace(reaction_requests(paper)[2].motion, cycle=Cycle(reach_s=1.0, work_s=0.2, return_s=0.5))
+    settings, preference = request.controller, request.preference
+    (task,) = preference.tasks
+    own = preference.model_copy(update={"tasks": (task.model_copy(update={"stiffness_per_s2": 25.0}),)})
+    none = preference.model_copy(update={"tasks": (task.model_copy(update={"stiffness_per_s2": None}),)})
+    stiff = settings.model_copy(
+        update={"stiffness_per_s2": settings.stiffness_per_s2.model_copy(update={"segment": 25.0})}
+    )
+    by_task = simulate(replace(request, preference=own)).torque_nm
+    by_controller = simulate(replace(request, preference=none, controller=stiff)).torque_nm
+    assert by_task.tobytes() == by_controller.tobytes()
+    assert np.abs(by_task - simulate(replace(request, preference=none)).torque_nm).max() > 1
+
+
 def test_nan_in_any_array_and_any_run_never_passes(paper: Experiment) -> None:
 
     request, motion = at_work(paper)

@@ -121,6 +121,7 @@ def _experiment() -> Content:
     }  # fmt: skip
     for task in (task for preference in content["preferences"].values() for task in preference["tasks"]):
         task.setdefault("during", PHASES)
+        task.setdefault("stiffness_per_s2", 20.0)
     return _listed(content)  # nothing of it is shared
 
 

@@ -53,6 +53,14 @@ class PreferenceTask(Settings):
         description="Weight of the task, without unit; the hands' own is controller.weights.hand, 10 in the paper."
     )
     during: tuple[PhaseName, ...] = Field(default=PHASES, min_length=1, description="Phases in which the task acts.")
+    stiffness_per_s2: Positive | None = Field(
+        default=None,
+        description="Gain of this task in 1/s^2; left out, that of its kind in controller.stiffness_per_s2.",
+    )
+
+    def build_stiffened(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
+        """The task with its own stiffness where it has one, else with the controller's. Raises what `build` raises."""
+        return self.build(human, state, stiffness.or_all(self.stiffness_per_s2))
 
     @abstractmethod
     def build(self, human: Human, state: BodyState, stiffness: Stiffnesses) -> Task:
