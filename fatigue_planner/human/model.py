@@ -28,7 +28,7 @@ _UNIT = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([
 
 
 # The paper's: standing, arms along the body (section III-C). The angles are open; no joint rests on a limit.
-NATURAL_POSTURE_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+NATURAL_POSTURE_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 5.0}
 
 
 class Worker(Settings):

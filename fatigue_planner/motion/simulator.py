@@ -33,9 +33,10 @@ class Simulator:
         self.runs = runs_of(request.tool, request.action, self.phases)
         self.forces = forces_of(request.action, self.ticks, dt)
         factors = [weight_factor_of(task.during, self.phases, dt) for task in request.preference.tasks]
-        self._turned_share = np.ones(self.ticks)
-        if request.cycle.return_hand == "position":
-            self._turned_share[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
+        self._led = np.ones(self.ticks)  # the share of their weight that the released rows of the hands' tasks have
+        if request.cycle.return_hand != "pose":
+            self._led[self.phases[-1].start :] = 1 - rise_of(self.phases[-1], dt)
+        self._first_released = 0 if request.cycle.return_hand == "free" else 3
         self._switched = [(index, factor) for index, factor in enumerate(factors) if factor is not None]
         self.body = Body(request, self.runs[0])
         self.references = {
@@ -68,7 +69,7 @@ class Simulator:
             forces[3 * SIDES.index(planned.hand) :][:3] += force
         for index, task in enumerate(body.hands.values(), start=1):
             task.index = tick
-            body.controller.weigh(index, self._turned_share[tick], first_row=3)
+            body.controller.weigh(index, self._led[tick], self._first_released)
         for index, factor in self._switched:
             body.controller.weigh(body.first_preferred + index, factor[tick])
         return forces
