@@ -247,6 +247,8 @@ class Experiment(Settings):
                 yield f"benchmark.{name}.leaf_value: bound {not_quadratic(self.cost.fatigue)}; or use none"
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
+            if self.discount == 1 and planner.kind == "cyclic":
+                yield f"benchmark.{name}.kind: cyclic needs a discount below 1"
         certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
