@@ -158,7 +158,7 @@ def test_names_order_and_spelling_decide_only_where_they_are_used(keys_of: Calla
         assert (other.cells == base.cells) is (old == "multiple")  # a condition is called unknown_0, too
     spelt = copy.deepcopy(EXPERIMENT)
     spelt["tool"] = dict(reversed(spelt["tool"].items()))
-    spelt["cycle"]["return_hand"] = "pose"  # what it is when left out
+    spelt["cycle"]["return_hand"] = "free"  # what it is when left out
     assert keys_of(spelt) == base
 
 
