@@ -205,9 +205,15 @@ def test_missing_reactions_are_named_with_the_command(paper: Experiment, cache_f
 
 
 def test_a_degraded_motion_is_kept_and_says_so(brief: Experiment, tmp_path: Path) -> None:
+    """A stoop from bent elbows, with hardly any braking allowed."""
+    (worker, man), (task,) = *brief.workers.items(), brief.preferences["arm"].tasks
+    bent = man.model_copy(update={"natural_posture_deg": {**man.natural_posture_deg, "elbow_flexion": 15.0}})
+    stoop = brief.preferences["arm"].model_copy(update={"tasks": (task.model_copy(update={"stiffness_per_s2": None}),)})
     slow = brief.model_copy(
         update={
-            "cycle": Cycle(reach_s=2.5, work_s=1.0, return_s=2.5),
+            "workers": {worker: bent},
+            "preferences": {"arm": stoop},
+            "cycle": Cycle(reach_s=2.5, work_s=1.0, return_s=2.5, return_hand="pose"),
             "actions": {"low": load_experiment(PAPER).actions["low"]},
             "controller": brief.controller.model_copy(update={"acceleration_limit_radps2": 1.0}),
             "accuracy": brief.accuracy.model_copy(update={"hand_error_m": 0.02, "eased_position_rad": 0.02}),
