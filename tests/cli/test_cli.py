@@ -65,7 +65,7 @@ def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Pa
     done = fatplan("human", "report", PAPER, "--cache", cache_folder, "--output", page)
     assert done.returncode == 0 and "6 values outside their band or range" in done.stdout
     text = page.read_text()
-    assert text.startswith("# The digital human against the literature") and text.count("**OUTSIDE**") == 6
+    assert text.startswith("# The digital human against the literature") and text.count("**OUTSIDE**") == 8
     message = refused(2, "human", "report", PAPER, "--cache", tmp_path / "none", "--output", page)
     assert f"Run `fatplan simulate {PAPER} --cache {tmp_path / 'none'}` first" in message
 
