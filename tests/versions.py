@@ -2,8 +2,9 @@
 
     python tests/versions.py [--python python3.12 ...] [--only lowest|newest] [-- PYTEST OPTIONS]
 
-Each combination gets an environment of its own in a temporary folder; it needs the package index. The lowest versions
-are tried on the oldest Python only: newer Pythons have no wheels of them.
+Each combination gets an environment of its own in a temporary folder; it needs the package index. The Pythons are those
+of the classifiers in pyproject.toml, as commands on the path; one that is not there counts as failed. The lowest
+versions are tried on the oldest Python only: newer Pythons have no wheels of them.
 """
 
 import argparse
@@ -15,7 +16,8 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-PYTHONS = ("python3.11", "python3.12", "python3.13")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYTHONS = re.findall(r"Python :: (3\.\d+)$", "\n".join(PROJECT["classifiers"]), flags=re.M)
 
 
 def lowest(requirements: list[str]) -> list[str]:
@@ -25,14 +27,17 @@ def lowest(requirements: list[str]) -> list[str]:
 
 def run(python: str, versions: str, options: list[str]) -> bool:
     """Whether the tests pass in a fresh environment; what fails is printed."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([python, "-m", "venv", folder], check=True)
+        try:
+            subprocess.run([python, "-m", "venv", folder], check=True)
+        except (OSError, subprocess.CalledProcessError) as error:
+            print(f"{python}: no environment can be made with it ({error}).")
+            return False
         inside = Path(folder) / "bin" / "python"
         pins = []
         if versions == "lowest":
-            extras = [requirement for extra in ("dask",) for requirement in project["optional-dependencies"][extra]]
-            pins = lowest([*project["dependencies"], *extras])
+            extras = PROJECT["optional-dependencies"]
+            pins = lowest([*PROJECT["dependencies"], *extras["dask"], *extras["docs"]])
         install = [inside, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         commands = [[*install, "--editable", f"{ROOT}[dev]", *pins], [inside, "-m", "pytest", "-q", *options]]
         for command in commands:
@@ -51,7 +56,7 @@ def main() -> int:
     parser.add_argument("--only", choices=["lowest", "newest"])
     parser.add_argument("options", nargs="*", help="options of pytest")
     arguments = parser.parse_args()
-    pythons = arguments.python or PYTHONS
+    pythons = arguments.python or [f"python{number}" for number in PYTHONS]
     cases = [(pythons[0], "lowest"), *((python, "newest") for python in pythons)]
     failed = 0
     for python, versions in cases:

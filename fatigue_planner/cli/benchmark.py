@@ -14,7 +14,6 @@ from fatigue_planner.core.text import counted
 if TYPE_CHECKING:
     import pandas as pd
 
-    from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.experiment.statistics_settings import StatisticsSettings
     from fatigue_planner.planners.lookahead import ReferenceSettings
@@ -61,8 +60,10 @@ def benchmark(
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.study.benchmark.bounds import bound_jobs, bound_rows
+    from fatigue_planner.study.benchmark.regret import RegretJob
     from fatigue_planner.study.benchmark.results import EXPERIMENT_FILE
     from fatigue_planner.study.benchmark.selection import Selection, cells, references, selected
+    from fatigue_planner.study.benchmark.tables import regret_rows
 
     settings, content = load_experiment(experiment), find_shipped(experiment).read_bytes()
     wanted = Selection(cycles, conditions, policies, trials, descents, seed)
@@ -83,8 +84,13 @@ def benchmark(
     writable_folder(store)
     judges = references(grid, grid_cells) if regret else {}
     done = run_jobs(grid_cells, store, executor, f"Running {len(grid_cells)} cells", "runs")
-    losses = _measure_regret(grid_cells, done, judges, store, executor) if regret else None
-    bounds = None
+    losses = bounds = None
+    if regret:
+        judgements = [
+            RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
+            for cell, runs in zip(grid_cells, done, strict=True)
+        ]
+        losses = regret_rows(grid_cells, run_jobs(judgements, store, executor, "Measuring regret", "judged runs"))
     if bound:
         asked_bounds, bound_store = bound_jobs(grid_cells), writable_folder(results / settings.name / "bounds")
         found = run_jobs(asked_bounds, bound_store, executor, "Bounding the least cost", "bounds")
@@ -116,7 +122,7 @@ def _publish(
     from fatigue_planner.core.files import publish_text
     from fatigue_planner.core.provenance import MANIFEST_FILE
     from fatigue_planner.experiment.build import reaction_requests
-    from fatigue_planner.planners.reference import describe
+    from fatigue_planner.planners.lookahead import describe
     from fatigue_planner.reactions.reaction import digests
     from fatigue_planner.study.benchmark import results, tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds
@@ -221,20 +227,3 @@ def _plan_text(plan: Mapping[str, Any]) -> str:
         f"--jobs {plan['jobs']} (regret and bounds not counted).",
     ]
     return "\n".join(lines)
-
-
-def _measure_regret(
-    grid: "Sequence[Cell]",
-    done: "Sequence[Mapping[int, TrialResult]]",
-    judges: "Mapping[str, ReferenceSettings]",
-    store: Path,
-    executor: "Executor",
-) -> "pd.DataFrame":
-    from fatigue_planner.study.benchmark.regret import RegretJob
-    from fatigue_planner.study.benchmark.tables import regret_rows
-
-    judgements = [
-        RegretJob(cell, judges[cell.condition], {trial: result.actions for trial, result in runs.items()})
-        for cell, runs in zip(grid, done, strict=True)
-    ]
-    return regret_rows(grid, run_jobs(judgements, store, executor, "Measuring regret", "judged runs"))

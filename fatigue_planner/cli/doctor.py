@@ -1,6 +1,8 @@
 """`fatplan doctor`: whether everything that the program needs works on this machine."""
 
 import io
+import subprocess
+import sys
 import tempfile
 import time
 import webbrowser
@@ -11,12 +13,17 @@ from pathlib import Path
 
 import typer
 
+from fatigue_planner import __version__
 from fatigue_planner.cli import options
-from fatigue_planner.core.errors import ExitCode, OutputFolderError
+from fatigue_planner.cli.validate import summary
+from fatigue_planner.core.errors import ExitCode, ExperimentError, OutputFolderError, listed
 from fatigue_planner.core.executors.processes import available_cores
+from fatigue_planner.core.file_kinds import kind_of
 
 SOLVERS = ("daqp", "qpoases")
 REINSTALL = "Install fatplan again: `make install`, or `pip install --force-reinstall` of this package."
+# A small container lacks what the wheels of others take from the system.
+SYSTEM = "Install the system's package with this library (libgomp.so.1 on Debian: `apt-get install libgomp1`)."
 
 
 @dataclass(frozen=True)
@@ -34,12 +41,13 @@ def doctor(
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     as_json: options.Json = False,
 ) -> None:
-    """Check this installation (versions, solvers, compiler, HDF5, folders, viewer, browser) by using every part.
+    """Check this installation by using every part: libraries, data, experiments that ship, folders, viewer, browser.
 
     Whatever is missing is named, with what to do about it; the exit code is 3 if nothing can work without it.
     """
     checks: list[Callable[[], Finding]] = [
-        _versions, _solvers, _compiler, _hdf5, lambda: _folder("cache", cache), lambda: _folder("results", results),
+        _versions, _module, _data_files, _files_that_ship, _solvers, _compiler, _hdf5,
+        lambda: _folder("cache", cache), lambda: _folder("results", results),
         _viewer, _browser, _cores,
     ]  # fmt: skip
     findings = [_careful(check) for check in checks]
@@ -59,14 +67,59 @@ def _careful(check: Callable[[], Finding]) -> Finding:
     try:
         return check()
     except Exception as error:
-        name = getattr(check, "__name__", "check").strip("_<>")
-        return Finding(name, f"{type(error).__name__}: {error}", REINSTALL)
+        name = getattr(check, "__name__", "check").strip("_<>").replace("_", " ")
+        remedy = SYSTEM if isinstance(error, ImportError) and ".so" in str(error) else REINSTALL
+        return Finding(name, f"{type(error).__name__}: {error}", remedy)
 
 
 def _versions() -> Finding:
     from fatigue_planner.core.provenance import versions
 
     return Finding("versions", ", ".join(f"{name} {number}" for name, number in versions().items()))
+
+
+def _module() -> Finding:
+    """Whether the command that needs no script on the path starts this program, and no other of its name."""
+    command = [sys.executable, "-m", "fatigue_planner", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    said = (done.stdout or done.stderr).strip() or "nothing"
+    what, found = "python -m fatigue_planner", said.splitlines()[-1]
+    if done.returncode == 0 and found == f"fatplan {__version__}":
+        return Finding(what, found)
+    remedy = f"Look for another package of this name in {Path.cwd()} or in PYTHONPATH; else install fatplan again."
+    return Finding(what, f"does not start fatplan {__version__}; it says: {found}", remedy)
+
+
+def _data_files() -> Finding:
+    """Whether all that is read from the package's folder is in it: data of the human, strengths, templates."""
+    from fatigue_planner.fatigue.parameters import FatigueSettings
+    from fatigue_planner.human.model import Worker
+    from fatigue_planner.human.strength_sets import load_strengths, shipped_sets
+    from fatigue_planner.output.reports.html.page import page
+    from fatigue_planner.output.reports.human.page import human_page
+
+    for name in shipped_sets():
+        load_strengths(name)
+    human_page(Worker(height_m=1.75, mass_kg=73.0, sex="male"), FatigueSettings(), (), "fatplan doctor")
+    page("", "", (), ())
+    return Finding("data files", f"digital human, {len(shipped_sets())} strength sets, pages of reports")
+
+
+def _files_that_ship() -> Finding:
+    """Whether all that ships is found by its name and valid."""
+    from fatigue_planner.core.files import find_shipped, shipped_folder
+    from fatigue_planner.core.yaml_reader import read_yaml
+
+    what, names = "files that ship", sorted(file.stem for file in shipped_folder().glob("*.yaml"))
+    if "paper" not in names:
+        return Finding(what, f"no paper.yaml in {shipped_folder()}", REINSTALL)
+    files = [find_shipped(Path(name)) for name in names]
+    hidden = [file for file in files if file.parent != shipped_folder()]
+    for file in files:
+        if file not in hidden:
+            summary(file, kind_of(read_yaml(file, ExperimentError)))
+    remedy = f"In this folder these names mean your own files: {listed(map(str, hidden))}." if hidden else None
+    return Finding(what, ", ".join(names), remedy, vital=False)
 
 
 def _solvers() -> Finding:

@@ -98,8 +98,8 @@ def _publish(
     from fatigue_planner.output.reports.html.page import REPORT_FILE
     from fatigue_planner.output.reports.study.finished import CONCLUSIONS_FILE, FIGURES, read_study
     from fatigue_planner.output.reports.study.page import study_page
+    from fatigue_planner.study.sensitivity.gains import judge
     from fatigue_planner.study.sensitivity.reactions import unique_digests
-    from fatigue_planner.study.sensitivity.robustness import judge
     from fatigue_planner.study.sensitivity.tables import study_tables
 
     tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))

@@ -1,7 +1,6 @@
 """`fatplan validate` and `fatplan schema`: what a file of settings says, and what it may say."""
 
 import json
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,25 +8,11 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.file_kinds import FileKind, kind_of
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
-
-
-class Kind(StrEnum):
-    """The kinds of files that users write."""
-
-    EXPERIMENT = "experiment"
-    CLAIMS = "claims"
-    STUDY = "study"
-
-
-def kind_of(content: Any) -> Kind:
-    """The kind of a file's content, by the key that only it has."""
-    if isinstance(content, dict) and "factors" in content:
-        return Kind.STUDY
-    return Kind.CLAIMS if isinstance(content, dict) and "claims" in content else Kind.EXPERIMENT
 
 
 def validate(
@@ -49,9 +34,9 @@ def validate(
         file = find_shipped(file)
         kind = kind_of(read_yaml(file, ExperimentError))
         document |= {"file": file, "kind": kind}
-        if resolved and kind is not Kind.EXPERIMENT:
+        if resolved and kind is not FileKind.EXPERIMENT:
             raise ExperimentError(f"{file}: --resolved is for experiments only.")
-        told, text = _checked(file, kind, resolved)
+        told, text = summary(file, kind, resolved)
         document |= {"valid": True, **told}
     except FatplanError as fault:
         if not as_json:
@@ -65,7 +50,7 @@ def validate(
 
 
 def schema(
-    kind: Annotated[Kind, typer.Argument(help="The kind of file.")] = Kind.EXPERIMENT,
+    kind: Annotated[FileKind, typer.Argument(help="The kind of file.")] = FileKind.EXPERIMENT,
     plugins: options.Plugins = None,
 ) -> None:
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
@@ -74,22 +59,26 @@ def schema(
     from fatigue_planner.study.claims.schema import ClaimsFile
     from fatigue_planner.study.sensitivity.settings import StudySettings
 
-    settings: dict[Kind, Any] = {Kind.EXPERIMENT: Experiment, Kind.CLAIMS: ClaimsFile, Kind.STUDY: StudySettings}
+    settings: dict[FileKind, Any] = {
+        FileKind.EXPERIMENT: Experiment,
+        FileKind.CLAIMS: ClaimsFile,
+        FileKind.STUDY: StudySettings,
+    }
     typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
 
-def _checked(file: Path, kind: Kind, resolved: bool) -> tuple[dict[str, Any], str]:
+def summary(file: Path, kind: FileKind, resolved: bool = False) -> tuple[dict[str, Any], str]:
     """What a valid file is about, for the document and in words.
 
     What reads it is loaded when its kind is known; raises what that raises.
     """
-    if kind is Kind.CLAIMS:
+    if kind is FileKind.CLAIMS:
         from fatigue_planner.study.claims.loader import load_claims
 
         loaded = load_claims(file)
         about = f"{len(loaded.claims)} claims about {loaded.experiment_file}"
         return {"about": about}, f"{file}: ok; {about}."
-    if kind is Kind.STUDY:
+    if kind is FileKind.STUDY:
         from fatigue_planner.study.sensitivity.study import load_study
 
         study = load_study(file)

@@ -84,10 +84,6 @@ class MissingTableError(FatplanError):
     """The table of trials a command reads has not been written."""
 
 
-class UnknownContrastError(FatplanError):
-    """Two policies are not compared by any family of the experiment's statistics."""
-
-
 class FailedMotionError(FatplanError):
     """A motion could not be simulated, or not accurately enough to be used."""
 

@@ -9,7 +9,6 @@ have a registry of their own (`output.reports.results.report`), as no experiment
 
 import hashlib
 import importlib.util
-import inspect
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
@@ -24,7 +23,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, core_schema
 
 from fatigue_planner.core.errors import PluginError
-from fatigue_planner.core.files import PACKAGE
+from fatigue_planner.core.files import PACKAGE, digest_of_files
 from fatigue_planner.core.settings import Settings
 
 ENTRY_POINTS = "fatigue_planner.plugins"
@@ -206,8 +205,8 @@ def _load_entry_point(entry_point: EntryPoint) -> None:
 def plugin_sources(*kinds: type) -> dict[str, str]:
     """SHA-256 in hex, by module, of the sources of kinds that come from plug-ins.
 
-    It covers the file of a plug-in file, all Python files of an installed package, and the text of a class that was
-    defined interactively. Raises PluginError if there is no such text.
+    It covers the file of a plug-in file, and all Python files of an installed package. Raises PluginError for a kind
+    that is in no file, such as one of a notebook's cell: what it uses may be in other cells.
     """
     sources = {}
     for kind in kinds:
@@ -222,16 +221,12 @@ def _digest_of_module(top: str, kind: type) -> str:
         return hashlib.sha256(_SOURCES[top][0]).hexdigest()
     file = getattr(sys.modules.get(top), "__file__", None)
     if file is None:
-        try:
-            return hashlib.sha256(inspect.getsource(kind).encode()).hexdigest()
-        except (OSError, TypeError) as error:
-            raise PluginError(f"{kind.__name__}: its source cannot be read; define it in a file.") from error
+        raise PluginError(
+            f"{kind.__name__}: what decides stored results has to be in a file. In a notebook, begin its cell with "
+            '`%%writefile my_kinds.py`, run it, and load the file with `fp.load_plugin("my_kinds.py")`.'
+        )
     path = Path(file)
-    files = sorted(path.parent.rglob("*.py")) if path.name == "__init__.py" else [path]
-    digest = hashlib.sha256()
-    for source in files:
-        digest.update(source.name.encode() + b"\0" + hashlib.sha256(source.read_bytes()).digest())
-    return digest.hexdigest()
+    return digest_of_files(path.parent.rglob("*.py") if path.name == "__init__.py" else [path])
 
 
 def origin_of(thing: type | Callable[..., Any]) -> str:

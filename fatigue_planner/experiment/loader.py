@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError, FatplanError
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
@@ -15,6 +16,8 @@ from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import semantic_errors
 from fatigue_planner.motion.action import Position
+
+S = TypeVar("S", bound=Settings)
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Below these keys are entries that users name themselves; what is left out in one is not worth a word.
@@ -37,11 +40,22 @@ def load_experiment(path: Path) -> Experiment:
     return experiment
 
 
+def read_mapping(path: Path, kind: FileKind, error_type: type[FatplanError]) -> dict[str, Any]:
+    """What a file of settings says. Raises `error_type` if that is no mapping, or a file of another kind."""
+    return mapping_of_kind(path, read_yaml(path, error_type), kind, error_type)
+
+
+def parse_settings(kind: type[S], content: Mapping[str, Any], source: str, error_type: type[FatplanError]) -> S:
+    """The settings that a file's content is, checked in form; `source` is its name. Raises `error_type`: all errors."""
+    try:
+        return kind.model_validate(content, strict=True)
+    except ValidationError as error:
+        raise error_type(error_message(error, kind, source)) from error
+
+
 def read_content(path: Path) -> dict[str, Any]:
     """What an experiment file says, its grids of actions written out. Raises ExperimentError."""
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/paper.yaml for an example.")
+    content = read_mapping(path, FileKind.EXPERIMENT, ExperimentError)
     expanded, errors = expand_pose_grids(content)
     if errors:
         raise ExperimentError(joined_errors(str(path), errors))
@@ -50,10 +64,7 @@ def read_content(path: Path) -> dict[str, Any]:
 
 def parse_experiment(content: Mapping[str, Any], source: str) -> Experiment:
     """The experiment of a file's content, checked in form; `source` is its name. Raises ExperimentError: all errors."""
-    try:
-        return Experiment.model_validate(content, strict=True)
-    except ValidationError as error:
-        raise ExperimentError(error_message(error, Experiment, source)) from error
+    return parse_settings(Experiment, content, source, ExperimentError)
 
 
 def complete_content(experiment: Experiment) -> dict[str, Any]:

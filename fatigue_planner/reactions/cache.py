@@ -12,6 +12,7 @@ import stat
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import numpy as np
 
@@ -50,6 +51,16 @@ class Outcome:
     quality: Quality | None = None
     failure: str = ""
     kept: bool = True
+
+    @classmethod
+    def of(
+        cls, request: ReactionRequest, quality: Quality | None, failure: str, found: bool = False, kept: bool = True
+    ) -> Self:
+        """The verdict on a motion of this quality by the accuracy of the request; without a motion it has failed."""
+        verdict: Verdict = "failed"
+        if quality is not None:
+            verdict, failure = quality.verdict(request.accuracy), "; ".join(quality.faults(request.accuracy))
+        return cls(request.name, request.digest, verdict, found, quality, failure, kept)
 
 
 class ReactionCache:
@@ -122,31 +133,34 @@ class ReactionCache:
         """
         by_digest = {request.digest: request for request in requests}
         files = self._files_by_digest()
-        results: dict[str, Result] = {}
+        known: dict[str, Outcome] = {}
         for digest, request in by_digest.items():
             stored = self._find(files.get(digest[:DIGEST_LENGTH], []), request)
             if stored is not None:
-                results[digest] = Result(
-                    quality=stored.quality if isinstance(stored, Reaction) else None,
-                    failure=stored.reason if isinstance(stored, FailedReaction) else "",
-                    found=True,
-                )
-                progress(results[digest].outcome(request))
-        missing = [request for digest, request in by_digest.items() if digest not in results]
+                quality = stored.quality if isinstance(stored, Reaction) else None
+                reason = stored.reason if isinstance(stored, FailedReaction) else ""
+                known[digest] = Outcome.of(request, quality, reason, found=True)
+                progress(known[digest])
+        missing = [request for digest, request in by_digest.items() if digest not in known]
         if missing:
             writable_folder(self.folder)
         for index, made in executor.run(simulated, missing):
             request = missing[index]
             if isinstance(made, Lost):
-                result = Result(failure=made.reason, kept=False)
+                outcome = Outcome.of(request, None, made.reason, kept=False)
             else:
-                result, content = made
+                outcome, content = made
                 if not has_valid_checksum(content):
                     raise DamagedFileError(f"{request.name}: was damaged on its way from the worker. Run again.")
                 publish_bytes(self.path(request), content)
-            results[request.digest] = result
-            progress(result.outcome(request))
-        return [results[request.digest].outcome(request) for request in requests]
+            known[request.digest] = outcome
+            progress(outcome)
+        # several requests may have the same digest, with other names and accuracies
+        return [
+            Outcome.of(request, same.quality, same.failure, same.found, same.kept)
+            for request in requests
+            for same in [known[request.digest]]
+        ]
 
     def _files_by_digest(self) -> dict[str, list[Path]]:
         """The files by the beginning of the digest in their names; several may have the same."""
@@ -178,31 +192,13 @@ class ReactionCache:
         return stored
 
 
-@dataclass(frozen=True)
-class Result:
-    """What is known of a reaction whatever the accuracy: the quality of its motion, or why there is none."""
-
-    quality: Quality | None = None
-    failure: str = ""
-    found: bool = False
-    kept: bool = True
-
-    def outcome(self, request: ReactionRequest) -> Outcome:
-        """What it means for a request."""
-        verdict: Verdict = "failed"
-        failure = self.failure
-        if self.quality is not None:
-            verdict, failure = self.quality.verdict(request.accuracy), "; ".join(self.quality.faults(request.accuracy))
-        return Outcome(request.name, request.digest, verdict, self.found, self.quality, failure, self.kept)
-
-
-def simulated(request: ReactionRequest) -> tuple[Result, bytes]:
-    """Simulate a reaction and measure it; the result and the content of its file."""
+def simulated(request: ReactionRequest) -> tuple[Outcome, bytes]:
+    """Simulate a reaction and measure it; the outcome and the content of its file."""
     made = simulate_and_measure(request.motion)
     if isinstance(made, str):
-        return Result(failure=made), entry_bytes(FailedReaction(request.name, request.key, made))
+        return Outcome.of(request, None, made), entry_bytes(FailedReaction(request.name, request.key, made))
     motion, quality = made
-    return Result(quality), entry_bytes(Reaction(request.name, request.key, motion, quality))
+    return Outcome.of(request, quality, ""), entry_bytes(Reaction(request.name, request.key, motion, quality))
 
 
 def simulate_and_measure(request: MotionRequest) -> tuple[Motion, Quality] | str:

@@ -67,6 +67,31 @@ def _objects(schema: object) -> list[dict[str, object]]:
     return [found for value in schema for found in _objects(value)] if isinstance(schema, list) else []
 
 
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("claims paper", "paper.yaml: is an experiment, not a file of claims; it is for `fatplan simulate`"),
+        ("claims sensitivity", "sensitivity.yaml: is a study, not a file of claims; it is for `fatplan sensitivity`"),
+        (
+            "simulate paper_claims",
+            "paper_claims.yaml: is a file of claims, not an experiment; it is for `fatplan claims`",
+        ),
+        ("benchmark sensitivity", "is a study, not an experiment"),
+        ("sensitivity paper", "is an experiment, not a study"),
+        ("sensitivity paper_claims", "is a file of claims, not a study"),
+    ],
+)
+def test_a_file_of_another_kind_is_told_in_one_line(command: str, words: str) -> None:
+    said = refused(2, *command.split())
+    assert words in said and said.count("\n") == 1
+
+
+def test_keys_of_another_kind_in_an_experiment_are_named(tmp_path: Path) -> None:
+    for key in ("factors", "claims", "experiment"):
+        (tmp_path / "mine.yaml").write_text(f"{PAPER.read_text()}\n{key}: {{}}\n")
+        assert f"{key}: unknown key" in refused(2, "simulate", tmp_path / "mine.yaml")
+
+
 def test_the_schema_knows_every_key_of_the_shipped_experiments() -> None:
     found = editor_schema(Experiment)
     assert all(kind["additionalProperties"] is False for kind in _objects(found))

@@ -21,9 +21,9 @@ from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import build_human, joint_index
+from fatigue_planner.output.figures.costs import course_figure
 from fatigue_planner.output.figures.postures import filmstrip, posture_figure
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.figures.torques import course_figure
 from fatigue_planner.output.reports.results.sections.fatigue import fatigue_figure
 from fatigue_planner.output.reports.results.sections.returns import estimate_figure, returns_figure
 from fatigue_planner.output.viewer.motion_clip import motion_clip_of

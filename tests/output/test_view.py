@@ -23,7 +23,7 @@ from PIL import Image
 from scipy.spatial import ConvexHull
 
 from fatigue_planner.cli.view import view
-from fatigue_planner.core.errors import MissingReactionsError, SelectionError
+from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import GRAVITY_MPS2
@@ -216,11 +216,6 @@ def test_an_unknown_reaction_is_exit_code_2(cache_folder: Path) -> None:
     assert (
         "--reaction high/nose: not in the experiment; available: average_man/high/arm, average_man/high/back" in message
     )
-
-
-def test_without_reactions_it_says_what_to_run(tmp_path: Path) -> None:
-    with pytest.raises(MissingReactionsError, match=r"Run `fatplan simulate .* first"):
-        view(PAPER, tmp_path)
 
 
 def test_the_page_is_loaded_only_when_asked_for() -> None:

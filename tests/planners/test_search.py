@@ -115,8 +115,11 @@ def test_one_step_values_are_unbiased() -> None:
 
 @pytest.mark.parametrize("backup", BACKUPS)
 def test_observations_come_as_often_as_the_belief_says(backup: str) -> None:
-    belief = two_workers(NOISY)
+    """So often that a quality of recognition that is wrong by 0.05 is seen."""
+    belief, wrong = two_workers(NOISY), two_workers(NOISY - [[0.05, -0.05], [0.05, -0.05]])
     assert_observations_as_likely(tree_of(belief, pomcp(4000, 10.0, backup)), belief)
+    with pytest.raises(AssertionError):
+        assert_observations_as_likely(tree_of(wrong, pomcp(4000, 10.0, backup)), belief)
 
 
 def test_pomcp_finds_the_exact_long_term_action(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:

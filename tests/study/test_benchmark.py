@@ -289,20 +289,6 @@ def test_a_part_of_another_cell_is_set_aside(cells: list[Cell], tmp_path: Path) 
     assert store.load(cells[1]) == {} and len(store.warnings) == len(list(theirs.glob("*.damaged-1"))) == 3
 
 
-def test_every_flipped_bit_in_a_part_is_noticed(cells: list[Cell], tmp_path: Path) -> None:
-    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
-    part = sorted(tmp_path.glob("*/*.json"))[0]
-    whole = part.read_bytes()
-    for place in range(0, len(whole), 7):
-        data = bytearray(whole)
-        data[place] ^= 1 << place % 8
-        part.write_bytes(data)
-        store = TrialStore(tmp_path)
-        store.load(cells[0])
-        assert len(store.warnings) == 1, place
-        part.with_suffix(".damaged-1").unlink()
-
-
 def test_two_results_of_one_trial_are_an_error_that_shows_both(cells: list[Cell], tmp_path: Path) -> None:
     store = TrialStore(tmp_path)
     store.add(cells[0], {0: TrialResult(-1.0, 0.1, 0.1, 0, 0, (0, 1)), 1: TrialResult(-2.0, 0.1, 0.1, 0, 0, (0, 1))})

@@ -14,7 +14,7 @@ from scipy.stats import binom
 
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrasts import contrasts
-from fatigue_planner.study.statistics.effect_sizes import detectable_noncentrality
+from fatigue_planner.study.statistics.inference import detectable_noncentrality
 
 LEVEL, TRIALS = 0.05, 100
 SETTINGS = StatisticsSettings(significance_level=LEVEL, resamples=999)

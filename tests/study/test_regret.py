@@ -15,9 +15,15 @@ from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings
 from fatigue_planner.planners.bounds.cost_bound import bound_of
-from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings, ReferenceSettings
+from fatigue_planner.planners.lookahead import (
+    LookaheadPolicy,
+    LookaheadSettings,
+    ReferenceSettings,
+    check_effort,
+    describe,
+    reference_for,
+)
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
-from fatigue_planner.planners.reference import check_effort, describe, reference_for
 from fatigue_planner.pomdp.fatigue_pomdp import one_worker
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import Reaction

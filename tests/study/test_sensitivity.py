@@ -31,10 +31,16 @@ from fatigue_planner.study.claims.schema import Answer
 from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.design import Point, design
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, RangeSettings
-from fatigue_planner.study.sensitivity.gains import gain_table, leader_table, paired_gain
+from fatigue_planner.study.sensitivity.gains import (
+    claim_table,
+    gain_table,
+    judge,
+    leader_table,
+    paired_gain,
+    reproduced_fraction,
+)
 from fatigue_planner.study.sensitivity.importance import explained_variance, importance_table, p_values
 from fatigue_planner.study.sensitivity.reactions import react, unique_requests
-from fatigue_planner.study.sensitivity.robustness import claim_table, judge, reproduced_fraction
 from fatigue_planner.study.sensitivity.study import Study, load_study
 from fatigue_planner.study.sensitivity.tables import StudyGrid
 

@@ -83,6 +83,8 @@ class Deadly(Job[Squared]):
     folder: Path
     trial: int
 
+    result_type = Squared
+
     @property
     def name(self) -> str:
         return "deadly"

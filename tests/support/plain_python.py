@@ -10,7 +10,6 @@ import pytest
 from fatigue_planner.planners.pomcp import policy
 from fatigue_planner.planners.pomcp.kernels import search_kernel
 from fatigue_planner.pomdp import simd
-from fatigue_planner.pomdp.beliefs import exact
 
 
 def interpreted(kernel: Any, **parts: Any) -> FunctionType:
@@ -42,9 +41,3 @@ def plant_in_search(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]
         return run
 
     monkeypatch.setattr(policy, "search_kernel", plain_kernel)
-
-
-def plant_in_belief(monkeypatch: pytest.MonkeyPatch, **parts: Callable[..., Any]) -> None:
-    """Let exact beliefs be updated by plain Python, with these parts."""
-    original = exact.specialised
-    monkeypatch.setattr(exact, "specialised", lambda *args, **own: interpreted(original(*args, **own), **parts))

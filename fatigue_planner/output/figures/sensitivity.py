@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.output.figures.style import COLOURS, FigureFolder, house_style, new_figure, set_title
-from fatigue_planner.study.sensitivity.conclusions import MAX_NAMED, at_headline
+from fatigue_planner.study.sensitivity.conclusions import MAX_NAMED, of_headline
 from fatigue_planner.study.sensitivity.design import Point
 from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
 from fatigue_planner.study.sensitivity.study import Study
@@ -25,10 +25,7 @@ TORNADO_COLUMNS = ["factor", "level", "gain", "gain_low", "gain_high"]
 def draw_study(study: Study, points: Sequence[Point], tables: StudyTables, folder: Path) -> list[Path]:
     """A tornado chart per baseline; where combinations can be performed, importance and trends; the headline's."""
     headline, baselines = study.settings.headline, study.settings.baselines
-    gains, importance = (
-        here[here["planner"] == headline.planner]
-        for here in (at_headline(tables.gains, headline), at_headline(tables.importance, headline))
-    )
+    gains, importance = of_headline(tables.gains, headline), of_headline(tables.importance, headline)
     figures = FigureFolder(folder)
     for baseline in baselines:
         table = tornado_table(points, gains[gains["baseline"] == baseline])

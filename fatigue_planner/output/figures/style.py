@@ -11,7 +11,8 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.textpath import TextPath
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
 
 from fatigue_planner.core.files import publish, publish_csv
 from fatigue_planner.core.text import format_label
@@ -53,9 +54,11 @@ def new_figure(width_in: float, height_in: float) -> Figure:
 
 def wrapped(text: str, width_in: float, size_pt: float) -> str:
     """A title broken into lines that are no wider than this, of as many words each as fit."""
+    font = FontProperties(size=size_pt)
     for columns in range(len(text), 1, -1):
         lines = textwrap.wrap(text, columns, break_on_hyphens=False)
-        if max(TextPath((0, 0), line, size=size_pt).get_extents().width for line in lines) <= 72 * width_in:
+        widths_pt = (text_to_path.get_text_width_height_descent(line, font, False)[0] for line in lines)
+        if max(widths_pt) <= 72 * width_in:
             return "\n".join(lines)
     return text
 

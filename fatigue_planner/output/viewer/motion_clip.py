@@ -89,6 +89,11 @@ class MotionClip:
         pin.updateFramePlacements(model, data)
         pose = {frame.name: data.oMf[i] for i, frame in enumerate(model.frames)}
         load = loads(self.motion.torque_nm[tick : tick + 1])[0]
+        wrenches, forces = self.motion.wrench[tick].reshape(2, WRENCH), self.motion.hand_force_n[tick].reshape(2, 3)
+        on_feet = [_force(pose[f"{side}_sole"], wrench) for side, wrench in zip(SIDES, wrenches, strict=True)]
+        on_hands = [
+            Force(pose[f"{side}_grip"].translation.copy(), force) for side, force in zip(SIDES, forces, strict=True)
+        ]
         return Instant(
             positions=np.array([pose[body].translation for body in BODIES]),
             rotations=np.array([pose[body].rotation for body in BODIES]),
@@ -99,16 +104,7 @@ class MotionClip:
                 for side, mass in zip(SIDES, (run.right_kg, run.left_kg), strict=True)
                 if mass > 0
             ),
-            forces=(
-                *(
-                    _force(pose[f"{side}_sole"], self.motion.wrench[tick, i * WRENCH : (i + 1) * WRENCH])
-                    for i, side in enumerate(SIDES)
-                ),
-                *(
-                    Force(pose[f"{side}_grip"].translation.copy(), self.motion.hand_force_n[tick, 3 * i : 3 * i + 3])
-                    for i, side in enumerate(SIDES)
-                ),
-            ),
+            forces=(*on_feet, *on_hands),
         )
 
 

@@ -11,7 +11,7 @@ from fatigue_planner.core.files import digest_of_package, publish_csv
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.planners.bounds.cost_bound import CostBound, bound_of, fingerprint
 from fatigue_planner.pomdp.scenario import Scenario
-from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.cell import NUMERICAL_LIBRARIES, Cell
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.tables import read_keyed
 
@@ -20,7 +20,6 @@ CELL = ["condition", "n_cycles", "policy"]
 BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
 # What produces a bound besides the scenario: folders and modules of this package.
 SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py")
-NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,9 @@ from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.experiment.build import scenario
 from fatigue_planner.experiment.schema import Experiment, too_few_descents
 from fatigue_planner.fatigue.model import CycleProfile
-from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceSettings
+from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceSettings, check_effort, reference_for
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
-from fatigue_planner.planners.reference import check_effort, reference_for
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import ReactionName

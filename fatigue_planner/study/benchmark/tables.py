@@ -34,13 +34,7 @@ KINDS |= dict.fromkeys(["condition", "policy", ACTIONS, "family", "first", "seco
 def trial_table(cells: Sequence[Cell], results: Sequence[dict[int, TrialResult]]) -> pd.DataFrame:
     """All columns of all trials, in the order of the cells and trials."""
     rows = [
-        (
-            *_key(cell, trial).values(),
-            same,
-            *_numbers(done[trial], OUTCOMES),
-            _text(done[trial].actions),
-            *_numbers(done[trial], TIMES),
-        )
+        {**_key(cell, trial), SAME: same, **vars(done[trial]), ACTIONS: " ".join(map(str, done[trial].actions))}
         for cell, done in zip(cells, results, strict=True)
         for same in [cell.is_deterministic()]
         for trial in sorted(done)
@@ -119,11 +113,3 @@ def _different(table: pd.DataFrame, key: Sequence[str]) -> str:
 
 def _key(cell: Cell, trial: int) -> dict[str, Any]:
     return {"condition": cell.condition, "n_cycles": cell.n_cycles, "policy": cell.policy, "trial": trial}
-
-
-def _numbers(result: TrialResult, names: Sequence[str]) -> tuple[float, ...]:
-    return tuple(getattr(result, name) for name in names)
-
-
-def _text(actions: Sequence[int]) -> str:
-    return " ".join(map(str, actions))

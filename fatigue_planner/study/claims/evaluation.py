@@ -9,8 +9,7 @@ import pandas as pd
 
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.claims.analysis import Analysis
-from fatigue_planner.study.claims.headroom import Headrooms
-from fatigue_planner.study.claims.measurements import Measurements
+from fatigue_planner.study.claims.measurements import Headrooms, Measurements
 from fatigue_planner.study.claims.relations import RELATIONS, ClaimJudgement, PairJudgement
 from fatigue_planner.study.claims.schema import VERDICTS, Answer, Claim
 
@@ -118,7 +117,7 @@ def _detail_table(
     """One row per comparison of a claim.
 
     Columns besides the answers: those of the contrast; largest_win and needed_win: as fractions of the second policy's
-    mean cost (`headroom.Headroom`), where there is a bound.
+    mean cost (`measurements.Headroom`), where there is a bound.
     """
     rows = []
     for name, (paper, modern) in judgements.items():

@@ -4,14 +4,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind
 from fatigue_planner.core.files import find_shipped
-from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.benchmark_settings import Benchmark
-from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.experiment.error_messages import joined_errors
+from fatigue_planner.experiment.loader import load_experiment, parse_settings, read_mapping
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.benchmark.results import NotedGrid
 from fatigue_planner.study.claims.relations import RELATIONS
@@ -43,13 +41,7 @@ def load_claims(path: Path) -> Claims:
     Raises ClaimsError: file, key, value, what is allowed; and as `load_experiment`.
     """
     path = find_shipped(path)
-    content = read_yaml(path, ClaimsError)
-    if not isinstance(content, dict):
-        raise ClaimsError(f"{path}: is not a mapping; see experiments/paper_claims.yaml for an example.")
-    try:
-        file = ClaimsFile.model_validate(content, strict=True)
-    except ValidationError as error:
-        raise ClaimsError(error_message(error, ClaimsFile, str(path))) from error
+    file = parse_settings(ClaimsFile, read_mapping(path, FileKind.CLAIMS, ClaimsError), str(path), ClaimsError)
     experiment_file = path.parent / file.experiment
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]

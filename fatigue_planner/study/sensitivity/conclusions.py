@@ -7,8 +7,7 @@ import pandas as pd
 from fatigue_planner.core.text import brief_percent
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.gains import CONFIDENCE
-from fatigue_planner.study.sensitivity.robustness import ANALYSES, reproduced_fraction
+from fatigue_planner.study.sensitivity.gains import ANALYSES, CONFIDENCE, reproduced_fraction
 from fatigue_planner.study.sensitivity.settings import Headline, StudySettings
 
 # How many settings a sentence names at most.
@@ -48,6 +47,11 @@ def at_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
     return table[(table["condition"] == headline.condition) & (table["n_cycles"] == headline.n_cycles)]
 
 
+def of_headline(table: pd.DataFrame, headline: Headline) -> pd.DataFrame:
+    """The same of the headline's planner alone."""
+    return at_headline(table[table["planner"] == headline.planner], headline)
+
+
 def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) -> str:
     headline = study.headline
     rows = at_headline(combined, headline)
@@ -70,8 +74,7 @@ def _on_baseline(study: StudySettings, combined: pd.DataFrame, baseline: str) ->
 
 
 def _on_settings(study: StudySettings, importance: pd.DataFrame, level: float) -> str:
-    rows = at_headline(importance, study.headline)
-    rows = rows[rows["planner"] == study.headline.planner]
+    rows = of_headline(importance, study.headline)
     decided = [
         f"over {baseline} {_deciding(own, 'share', 'p_value', level)} "
         f"(by ranks {_deciding(own, 'rank_share', 'rank_p_value', level)})"

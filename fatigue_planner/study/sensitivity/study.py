@@ -1,24 +1,29 @@
 """Loading a study file, with one clear message if it is wrong."""
 
+import difflib
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
+from fatigue_planner.core.file_kinds import FileKind
 from fatigue_planner.core.files import find_shipped
-from fatigue_planner.core.yaml_reader import read_yaml
-from fatigue_planner.experiment.error_messages import error_message
-from fatigue_planner.experiment.loader import complete_content, parse_experiment, read_content
+from fatigue_planner.experiment.loader import (
+    complete_content,
+    parse_experiment,
+    parse_settings,
+    read_content,
+    read_mapping,
+)
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.study.claims.loader import Claims, load_claims
 from fatigue_planner.study.sensitivity.factors import Level
-from fatigue_planner.study.sensitivity.keys import KeyPath, find, overlap, value_at, with_value
 from fatigue_planner.study.sensitivity.settings import StudySettings
 
+# Names along a dotted path into the settings of an experiment, e.g. `benchmark.policies.pomcp_0.1.descents`.
+KeyPath = tuple[str, ...]
 # Keys that must be the same at all points, so that their results can be compared, or that are not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
 MIN_TRIALS = 2
@@ -62,7 +67,9 @@ def load_study(path: Path) -> Study:
     experiment's schema is found here, before anything is run.
     """
     path = find_shipped(path)
-    settings = _read_settings(path)
+    settings = parse_settings(
+        StudySettings, read_mapping(path, FileKind.STUDY, ExperimentError), str(path), ExperimentError
+    )
     base_file = path.parent / settings.base
     try:
         base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
@@ -108,16 +115,6 @@ def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
             f"{path}: claims = {settings.claims!r}: are about {claims.experiment_file}, not the base."
         )
     return claims
-
-
-def _read_settings(path: Path) -> StudySettings:
-    content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; see experiments/sensitivity.yaml for an example.")
-    try:
-        return StudySettings.model_validate(content, strict=True)
-    except ValidationError as error:
-        raise ExperimentError(error_message(error, StudySettings, str(path))) from error
 
 
 def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str, Any]:
@@ -189,3 +186,50 @@ def _check_levels(path: Path, study: Study) -> None:
                 raise ExperimentError(f"{where}: its levels {shortened(level)} and {shortened(other)} are the same.")
         for level, content in contents.items():
             parse_experiment(content, f"{where} at {shortened(level)}")
+
+
+def find(settings: Mapping[str, Any], key: str) -> KeyPath:
+    """The names along a dotted path; names may contain dots, so they are matched with the known ones.
+
+    Raises ExperimentError, with a suggestion, if there is no such setting.
+    """
+    node: Any = settings
+    path: KeyPath = ()
+    rest = key
+    while rest:
+        known = [name for name in node if rest == name or rest.startswith(f"{name}.")] if isinstance(node, dict) else []
+        if not known:
+            raise ExperimentError(f"{key}: unknown key{_suggestion(node, path, rest)}")
+        name = max(known, key=len)
+        path, node, rest = (*path, name), node[name], rest[len(name) + 1 :]
+    return path
+
+
+def value_at(settings: Mapping[str, Any], path: KeyPath) -> Any:
+    """The setting at a path."""
+    node: Any = settings
+    for name in path:
+        node = node[name]
+    return node
+
+
+def with_value(content: Mapping[str, Any], path: KeyPath, value: Any) -> dict[str, Any]:
+    """A copy of the content with another value at a path; mappings that it lacks are added."""
+    name, *rest = path
+    return {**content, name: with_value(content.get(name) or {}, tuple(rest), value) if rest else value}
+
+
+def overlap(first: KeyPath, second: KeyPath) -> bool:
+    """Whether the paths are equal or one is above the other."""
+    shorter = min(len(first), len(second))
+    return first[:shorter] == second[:shorter]
+
+
+def _suggestion(node: Any, path: KeyPath, rest: str) -> str:
+    where = ".".join(path) or "the experiment"
+    if not isinstance(node, dict):
+        return f"; {where} has no settings of its own."
+    close = difflib.get_close_matches(rest.split(".", maxsplit=1)[0], node, n=1)
+    if close:
+        return f"; did you mean {'.'.join([*path, close[0]])!r}?"
+    return f"; {where} has {', '.join(node)}."

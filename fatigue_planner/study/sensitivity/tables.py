@@ -11,10 +11,9 @@ from fatigue_planner.study.benchmark.tables import ACTIONS, TIMES, trial_table
 from fatigue_planner.study.benchmark.trial import TrialResult
 from fatigue_planner.study.sensitivity.conclusions import conclusions
 from fatigue_planner.study.sensitivity.factors import level_text
-from fatigue_planner.study.sensitivity.gains import gain_table, leader_table
+from fatigue_planner.study.sensitivity.gains import VerdictsOf, claim_table, gain_table, leader_table
 from fatigue_planner.study.sensitivity.importance import importance_table
 from fatigue_planner.study.sensitivity.reactions import Reacted
-from fatigue_planner.study.sensitivity.robustness import VerdictsOf, claim_table
 from fatigue_planner.study.sensitivity.study import Study
 
 

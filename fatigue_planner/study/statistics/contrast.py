@@ -9,7 +9,6 @@ from typing import Self
 
 import pandas as pd
 
-from fatigue_planner.core.errors import UnknownContrastError
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.pairing import records
 
@@ -102,18 +101,10 @@ def contrasts_in(table: pd.DataFrame) -> list[Contrast]:
     return [Contrast(**row) for row in records(table)]
 
 
-def is_compared(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> bool:
-    """Whether a family has the contrast of two policies, in either order."""
-    cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)]
-    pairs = set(zip(cell["first"], cell["second"], strict=True))
-    return bool(pairs & {(first, second), (second, first)})
-
-
-def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> Contrast:
-    """The contrast of two policies, turned if the table holds it the other way round.
+def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, second: str) -> Contrast | None:
+    """The contrast of two policies, turned if the table holds it the other way round; None if no family compares them.
 
     `table` is `contrasts`'s. A pair of several families is taken from the first one: they differ in holm_p only.
-    Raises UnknownContrastError if no family has it.
     """
     cell = table[(table["condition"] == condition) & (table["n_cycles"] == n_cycles)]
     for policy, other in ((first, second), (second, first)):
@@ -121,9 +112,7 @@ def contrast_of(table: pd.DataFrame, condition: str, n_cycles: int, first: str, 
         if len(rows):
             contrast = contrasts_in(rows.head(1))[0]
             return contrast if policy == first else contrast.flipped()
-    raise UnknownContrastError(
-        f"{first} against {second} in {condition}, {n_cycles} cycles: is in no family of the experiment's statistics."
-    )
+    return None
 
 
 NOT_DIFFERENT = (Verdict.EQUIVALENT, Verdict.UNDETERMINED)

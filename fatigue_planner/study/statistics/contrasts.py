@@ -7,16 +7,22 @@ import pandas as pd
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.study.statistics.contrast import COLUMNS, Contrast
-from fatigue_planner.study.statistics.effect_sizes import cohen_dz, detectable_difference, hedges_g, improvement
-from fatigue_planner.study.statistics.hypothesis_tests import (
+from fatigue_planner.study.statistics.inference import (
+    bca_interval,
+    cohen_dz,
+    detectable_difference,
     equivalence_p,
     equivalent_within,
+    hedges_g,
+    improvement,
     paired_p,
     permutation_p,
+    standard_error,
     student_p,
+    t_interval,
     welch_p,
+    wilson_interval,
 )
-from fatigue_planner.study.statistics.intervals import bca_interval, standard_error, t_interval, wilson_interval
 from fatigue_planner.study.statistics.multiple_testing import Pair, holm, pairs_by_family
 from fatigue_planner.study.statistics.pairing import PairedReturns, pair_runs, runs_by_policy
 

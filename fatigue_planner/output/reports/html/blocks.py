@@ -30,10 +30,13 @@ class Table:
     rows: Sequence[Sequence[str]]
     data_file: str | None = None
 
-    def alignment(self, column: int) -> Literal["right", "left"]:
-        """How a column stands."""
-        cells = [row[column] for row in self.rows if row[column] not in {"", "–"}]
-        return "right" if cells and all(cell[0] in "0123456789−+±<" for cell in cells) else "left"
+    def alignment(self) -> list[Literal["right", "left"]]:
+        """How each column stands."""
+        columns = [[cell for cell in column if cell not in {"", "–"}] for column in zip(*self.rows, strict=True)]
+        sides: list[Literal["right", "left"]] = [
+            "right" if cells and all(cell[0] in "0123456789−+±<" for cell in cells) else "left" for cells in columns
+        ]
+        return sides or ["left"] * len(self.header)
 
 
 @dataclass(frozen=True)
@@ -57,3 +60,17 @@ class Section:
     def anchor(self) -> str:
         """The name that links lead to."""
         return "".join(letter if letter.isalnum() else "-" for letter in self.title.lower())
+
+
+def as_text(section: Section) -> str:
+    """A section's paragraphs and tables for a terminal, the columns of a table below each other."""
+    lines = [f"{section.title}:"]
+    for block in section.blocks:
+        if isinstance(block, Text):
+            lines.append(f"  {block.words}")
+        elif isinstance(block, Table):
+            rows = [block.header, *block.rows]
+            widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+            lines.append(f"  {block.caption}")
+            lines += ["    " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+    return "\n".join(lines)

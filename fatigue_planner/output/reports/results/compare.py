@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from fatigue_planner.core.errors import StaleTableError
 from fatigue_planner.core.text import format_label, percent, percent_range, significant
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, as_text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
 from fatigue_planner.study.statistics.contrast import Contrast
@@ -24,6 +24,7 @@ from fatigue_planner.study.statistics.pairing import records
 # These keys of the manifest decide no number.
 IRRELEVANT = ("figures",)
 MAX_NAMED = 5  # cells that are in one folder only
+HEADER = ["condition", "cycles", "policy", "runs", "A", "B", "B above A", "interval", "p (Holm)"]
 NOTHING = "No returns can be compared: no cell (condition, number of cycles and policy) is in both."
 
 
@@ -99,36 +100,38 @@ def _differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[st
     return {name: values for name, values in both.items() if values[0] != values[1]}
 
 
+def compare_page(found: FolderComparison, figures: FigureFolder, name: str) -> str:
+    """The comparison as a page (HTML); its table, if it has rows, goes to the figures' folder under this name."""
+    file = None if found.contrasts.empty else figures.add_table(name, found.contrasts)
+    return page("Two results side by side", " and ".join(found.names), [], _sections(found, file))
+
+
 def compare_text(found: FolderComparison) -> str:
     """The comparison as lines of text."""
-    lines = [f"A: {found.names[0]}", f"B: {found.names[1]}", ""]
-    for title, differences in (("settings", found.settings), ("versions", found.versions)):
-        lines.append(f"The {title} are the same." if not differences else f"Different {title} (A, B):")
-        lines += [f"  {name}: {in_a}, {in_b}" for name, (in_a, in_b) in differences.items()]
-    for name, cells in zip("AB", found.only, strict=True):
-        if cells:
-            lines.append(f"Only in {name}: {_few(cells)}.")
+    return "\n\n".join(as_text(section) for section in _sections(found, None)) + "\n"
+
+
+def _sections(found: FolderComparison, file: str | None) -> list[Section]:
+    a, b = found.names
+    returns: list[Block] = [Text(f"A is `{a}`, B is `{b}`.")]
     if found.contrasts.empty:
-        lines += ["", NOTHING]
+        returns.append(Text(NOTHING))
     else:
-        lines += ["", f"Discounted return, and what B costs more than A, of A's cost ({found.pairing}):"]
-        lines += ["  " + "  ".join(cells) for cells in _aligned(_rows(found))]
-    return "\n".join(lines) + "\n"
+        level = percent(1 - found.level, 0)
+        returns.append(Text(f"Runs are {found.pairing}; intervals are at {level}."))
+        returns.append(Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file))
+    sections = [Section("Returns", returns)]
+    for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
+        rows = [[name, *values] for name, values in differences.items()]
+        block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")
+        sections.append(Section(title, [block]))
+    alone = [Text(f"Only in {name}: {_few(cells)}.") for name, cells in zip("AB", found.only, strict=True) if cells]
+    return [*sections, *([Section("In one of them only", alone)] if alone else [])]
 
 
 def _few(cells: list[str]) -> str:
     more = len(cells) - MAX_NAMED
     return ", ".join(cells[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
-
-
-def _aligned(rows: list[list[str]]) -> Iterator[list[str]]:
-    rows = [HEADER, *rows]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
-    for row in rows:
-        yield [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
-
-
-HEADER = ["condition", "cycles", "policy", "runs", "A", "B", "B above A", "interval", "p (Holm)"]
 
 
 def _rows(found: FolderComparison) -> list[list[str]]:
@@ -150,27 +153,3 @@ def _rows(found: FolderComparison) -> list[list[str]]:
             ]
         )  # fmt: skip
     return rows
-
-
-def compare_page(found: FolderComparison, figures: FigureFolder, name: str) -> str:
-    """The comparison as a page (HTML); its table, if it has rows, goes to the figures' folder under this name."""
-    a, b = found.names
-    blocks: list[Block]
-    if found.contrasts.empty:
-        blocks = [Text(f"A is `{a}`, B is `{b}`. {NOTHING}")]
-    else:
-        file = figures.add_table(name, found.contrasts)
-        intervals = f"intervals are at {percent(1 - found.level, 0)}"
-        blocks = [
-            Text(f"A is `{a}`, B is `{b}`. Runs are {found.pairing}; {intervals}."),
-            Table("What B costs more than A, of A's cost.", HEADER, _rows(found), file),
-        ]
-    sections = [Section("Returns", blocks)]
-    for title, differences in (("Settings", found.settings), ("Versions", found.versions)):
-        rows = [[name, *values] for name, values in differences.items()]
-        block: Block = Table("What differs.", ["name", "A", "B"], rows) if rows else Text("They are the same.")
-        sections.append(Section(title, [block]))
-    alone = [Text(f"Only in {name}: {_few(cells)}.") for name, cells in zip("AB", found.only, strict=True) if cells]
-    if alone:
-        sections.append(Section("In one of them only", alone))
-    return page("Two results side by side", f"{a} and {b}", [], sections)

@@ -50,23 +50,10 @@ class FinishedStudy:
     conclusions: list[str]
     tables: dict[str, pd.DataFrame]
 
-    @property
-    def headline(self) -> Headline:
-        """The comparison that its sentences and figures are about."""
-        return self.note.study.headline
-
-    @property
-    def baselines(self) -> list[str]:
-        """The policies that planners are compared with."""
-        return list(self.note.study.baselines)
-
-    def svg(self, figure: str) -> str:
-        """A figure's drawing."""
-        return (self.folder / FIGURES / f"{figure}.svg").read_text(encoding="utf-8")
-
-    def data(self, figure: str) -> pd.DataFrame:
-        """A figure's data."""
-        return pd.read_csv(self.folder / FIGURES / f"{figure}.csv", keep_default_na=False, na_values=[""])
+    def figure(self, name: str) -> tuple[str, pd.DataFrame]:
+        """A figure's drawing (SVG) and its data."""
+        path = self.folder / FIGURES / f"{name}.svg"
+        return path.read_text(encoding="utf-8"), _table(path.with_suffix(".csv"))
 
 
 def read_study(folder: Path) -> FinishedStudy:

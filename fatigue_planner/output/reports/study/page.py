@@ -11,8 +11,8 @@ from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Sect
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.study.claims.schema import VERDICTS
-from fatigue_planner.study.sensitivity.conclusions import at_headline
-from fatigue_planner.study.sensitivity.robustness import ANALYSES
+from fatigue_planner.study.sensitivity.conclusions import of_headline
+from fatigue_planner.study.sensitivity.gains import ANALYSES
 from fatigue_planner.study.statistics.pairing import records
 
 MAX_REASON_LENGTH = 240
@@ -43,12 +43,7 @@ def study_page(study: FinishedStudy, command: str) -> str:
         f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number was typed by hand."
     )
     title = f"When does planning pay? The study {note.study.name}"
-    return page(title, subtitle, [conclusions(study)], [section for section in sections if section is not None])
-
-
-def conclusions(study: FinishedStudy) -> Points:
-    """The sentences that a study concludes with."""
-    return Points(study.conclusions)
+    return page(title, subtitle, [Points(study.conclusions)], [section for section in sections if section is not None])
 
 
 def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[Block]:
@@ -56,8 +51,8 @@ def deciding(study: FinishedStudy, where: str, most: int | None = None) -> list[
 
     `where`: path from the page to the study's folder, empty or ending in a slash.
     """
-    headline = study.headline
-    importance = _of_the_headline(study, study.tables["importance"])
+    headline = study.note.study.headline
+    importance = of_headline(study.tables["importance"], headline)
     if most is not None:
         importance = importance.groupby("baseline", sort=False).head(most)
     rows = [
@@ -163,11 +158,6 @@ def infeasible(study: FinishedStudy, where: str) -> list[Block]:
     return blocks
 
 
-def _of_the_headline(study: FinishedStudy, table: pd.DataFrame) -> pd.DataFrame:
-    rows = at_headline(table, study.headline)
-    return rows[rows["planner"] == study.headline.planner]
-
-
 def _fraction(fraction: float) -> str:
     return "–" if pd.isna(fraction) else brief_percent(fraction)
 
@@ -181,18 +171,18 @@ def _short(reason: str) -> str:
 
 
 def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
-    data, planner = study.data(name), study.headline.planner
+    (svg, data), planner = study.figure(name), study.note.study.headline.planner
     if name == "importance":
         caption = "How much of the gain's variance over all combinations each setting explains alone."
-        first = data[data["baseline"] == study.baselines[0]].head(WIDEST)
-        alternative = f"over {study.baselines[0]}: " + _listed(first, "factor", "share")
+        first = data[data["baseline"] == study.note.study.baselines[0]].head(WIDEST)
+        alternative = f"over {study.note.study.baselines[0]}: " + _listed(first, "factor", "share")
     elif name == "trends":
         caption = "The gain at every combination against the settings that decide most; bars are 95 % intervals."
         alternative = listing(
             [
                 f"over {baseline} from {brief_percent(own['gain'].min())} to {brief_percent(own['gain'].max())}, "
                 f"median {brief_percent(own['gain'].median())}"
-                for baseline in study.baselines
+                for baseline in study.note.study.baselines
                 for own in [data[data["baseline"] == baseline]]
             ]
         )
@@ -207,7 +197,7 @@ def _picture(study: FinishedStudy, name: str, where: str) -> Picture:
                 for own in [data.loc[(data["factor"] == factor) | data["factor"].isna(), "gain"]]
             ]
         )
-    return Picture(study.svg(name), caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")
+    return Picture(svg, caption, f"{alternative}.", f"{where}{FIGURES}/{name}.csv")
 
 
 def _listed(table: pd.DataFrame, name: str, fraction: str) -> str:

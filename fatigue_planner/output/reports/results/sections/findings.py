@@ -8,7 +8,7 @@ from fatigue_planner.core.text import counted, format_label, listing, percent, p
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.claims import claims_sentence
 from fatigue_planner.output.reports.results.sections.losses import headroom
-from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of, is_compared
+from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
@@ -51,10 +51,11 @@ def _against_the_anchor(report_data: ReportData) -> list[str]:
     level, sentences = report_data.experiment.statistics.significance_level, []
     for condition, n_cycles, cell in cells_of(report_data.results.comparison):
         others = [row["policy"] for row in records(cell) if row["policy"] != report_data.anchor]
-        pair = (condition, n_cycles, others[0], report_data.anchor) if others else None
-        if n_cycles != report_data.longest or pair is None or not is_compared(report_data.results.contrasts, *pair):
+        if n_cycles != report_data.longest or not others:
             continue
-        found = contrast_of(report_data.results.contrasts, *pair)
+        found = contrast_of(report_data.results.contrasts, condition, n_cycles, others[0], report_data.anchor)
+        if found is None:
+            continue
         sentences.append(
             f"{format_label(condition).capitalize()}, {n_cycles} cycles: the best policy other than "
             f"`{report_data.anchor}` is `{others[0]}`; its cost is {_difference(found, level)}."

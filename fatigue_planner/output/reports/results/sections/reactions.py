@@ -13,10 +13,16 @@ from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.model import build_human
 from fatigue_planner.human.skeleton import JOINTS
-from fatigue_planner.output.figures.pose_map import place_figure, place_table
+from fatigue_planner.output.figures.costs import (
+    course_figure,
+    entry_label,
+    place_figure,
+    place_table,
+    torque_figure,
+    torque_table,
+)
 from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.style import FigureFolder, Picture
-from fatigue_planner.output.figures.torques import course_figure, entry_label, torque_figure, torque_table
 from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.reactions.reaction import Reaction, ReactionName

@@ -22,7 +22,7 @@ from fatigue_planner.output.reports.html.blocks import Block, Section, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.results import CONTRASTS_FILE
 from fatigue_planner.study.statistics.comparison import STARS
-from fatigue_planner.study.statistics.contrast import Verdict, contrast_of, contrasts_in, is_compared
+from fatigue_planner.study.statistics.contrast import Verdict, contrast_of, contrasts_in
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
 
@@ -156,9 +156,9 @@ def estimate_table(contrasts: pd.DataFrame, trials: pd.DataFrame, anchor: str) -
     rows = []
     for condition, n_cycles, cell in cells_of(trials):
         for policy in dict.fromkeys(cell["policy"]):
-            if not is_compared(contrasts, condition, n_cycles, policy, anchor):
-                continue
             found = contrast_of(contrasts, condition, n_cycles, policy, anchor)
+            if found is None:
+                continue
             cost = -found.second_mean or np.nan
             rows.append(
                 {

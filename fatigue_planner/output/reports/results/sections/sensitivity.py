@@ -1,10 +1,10 @@
 """The sensitivity study of the experiment, where there is one."""
 
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Section, Text
+from fatigue_planner.output.reports.html.blocks import Block, Points, Section, Text
 from fatigue_planner.output.reports.html.page import REPORT_FILE
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.output.reports.study.page import claims_over_points, conclusions, deciding, over_all_cells
+from fatigue_planner.output.reports.study.page import claims_over_points, deciding, over_all_cells
 
 MAX_SETTINGS = 8
 
@@ -16,7 +16,11 @@ def sensitivity_section(report_data: ReportData, figures: FigureFolder) -> Secti
         how = "No sensitivity study of this experiment is among the results; `fatplan sensitivity` makes one."
         return Section(title, [Text(how)])
     where = f"../{study.folder.name}/"
-    blocks = [conclusions(study), *deciding(study, where, MAX_SETTINGS), over_all_cells(study, where)]
+    blocks: list[Block] = [
+        Points(study.conclusions),
+        *deciding(study, where, MAX_SETTINGS),
+        over_all_cells(study, where),
+    ]
     claims = claims_over_points(study, where)
     if claims is not None:
         blocks += claims.blocks
