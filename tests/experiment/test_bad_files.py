@@ -29,6 +29,10 @@ MAX_SECONDS = 2.0
 MAX_MIB = 300
 # The sections that the paper's file leaves out.
 FURTHER = """
+cost:
+  fatigue: mean_square
+  weights: {wrist: 0}
+  posture: [{kind: upper_arm_raised, angle_deg: 60, weight: 0.01}]
 hidden_workers:
   rates:
     fatigue_rate_factor: {kind: choice, values: [0.5, 1, 2], probabilities: [0.25, 0.5, 0.25]}

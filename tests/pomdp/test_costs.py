@@ -10,7 +10,7 @@ from small_problems import STARTS, belief_in, choice_probabilities, relaxed, sma
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.planners.bounds.cost_bound import bound_of
-from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings
+from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSettings, reference_for
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.cost import FatigueCost, mean_square

@@ -203,5 +203,5 @@ def place_figure(table: pd.DataFrame, worker: str, preferences: Sequence[str]) -
         panel.set_xticks(grid.columns, [f"{position:g}" for position in grid.columns], rotation=90)
         panel.set_yticks(grid.index, [f"{position:g}" for position in grid.index])
     axes[0].set_ylabel(f"{up[0]} of the hand, m")
-    figure.colorbar(image, ax=list(axes), label="cost when repeated for ever: mean of squared fatigue\n(star: least)")
+    figure.colorbar(image, ax=list(axes), label="cost when repeated for ever (star: least)")
     return figure

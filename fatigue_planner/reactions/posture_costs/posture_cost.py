@@ -22,8 +22,9 @@ class PostureCost(Settings):
     weight: float = Field(
         gt=0,
         le=10,
-        description="What a whole cycle in this posture adds to the cost of the cycle, in the cost's unit (fatigue is "
-        "0 to 1). There is no usual value: it says how much fatigue the posture is worth to you.",
+        description="What a whole cycle in this posture adds to a cycle's cost, in the unit of that cost, which is 0 "
+        "for the rested and 1 for the exhausted; half a cycle adds half. There is no usual value: it says how much "
+        "fatigue the posture is worth to you.",
     )
 
     @abstractmethod
