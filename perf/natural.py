@@ -3,7 +3,8 @@
     python perf/natural.py [experiment.yaml ...]
 
 The worst of every measure over all reactions of the experiments, by default of those that ship, with the paper's
-task as the natural human does it; then ticks per second of both humans, on the paper's reactions, interleaved.
+task as the natural human does it; the same for random targets, on which nothing was tuned; then ticks per second of
+both humans, on the paper's reactions, interleaved.
 """
 
 import os
@@ -14,6 +15,8 @@ from pathlib import Path
 
 # One thread of linear algebra, as in `fatplan simulate`.
 os.environ |= {f"{library}_NUM_THREADS": "1" for library in ("OPENBLAS", "OMP", "MKL")}
+
+import numpy as np
 
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.build import reaction_requests
@@ -35,6 +38,47 @@ def natural(file: Path) -> Experiment:
         for key in ("human", "natural_posture_deg"):
             worker.pop(key, None)
     return parse_experiment(content | {"human": "natural"}, str(file))
+
+
+def unseen(human: str) -> Experiment:
+    """Random targets in front of a worker, for either hand or both, with and without orientation."""
+    random, actions = np.random.default_rng(5), {}
+    for index in range(16):
+        side, sign = (("right", -1), ("left", 1))[index % 2]
+        y = sign * random.uniform(-0.1, 0.45)
+        place = {"x": random.uniform(0.2, 0.55), "y": y, "z": random.uniform(0.35, 1.75)}
+        goal = {"position_m": place}
+        if index % 3:
+            turn = {"y": float(random.choice([-120, -90, -60, 0])), "z": float(random.choice([0, 30 * sign]))}
+            goal["orientation_deg"] = turn
+        goals = {f"{side}_hand": goal}
+        if index % 5 == 0:
+            other = "left" if side == "right" else "right"
+            goals[f"{other}_hand"] = {"position_m": place | {"y": -y}}
+        actions[f"random{index}"] = goals
+    upright = {"kind": "segment_upright", "segment": "thorax", "weight": 1.0, "stiffness_per_s2": 80.0}
+    content = {
+        "name": f"random_{human}", "human": human, "tool": {"mass_kg": 2.0}, "actions": actions,
+        "cycle": {"reach_s": 3.0, "work_s": 1.0, "return_s": 3.0},
+        "preferences": {"arm": {"tasks": (upright,)}, "as_he_likes": {"tasks": ()}},
+    }  # fmt: skip
+    return parse_experiment(content, "random targets")
+
+
+def plausible(experiment: Experiment) -> None:
+    """Print how many reactions can be used, and how many of these are plausible."""
+    usable = fine = 0
+    requests = reaction_requests(experiment)
+    for request in requests:
+        try:
+            motion = simulate(request.motion)
+        except FailedMotionError:
+            continue
+        seen, quality = measure_plausibility(request.motion, motion), measure(request.motion, motion)
+        if quality.work_hand_error_m <= experiment.accuracy.hand_error_m:
+            usable += 1
+            fine += not seen.findings()
+    print(f"{experiment.name}: {len(requests)} reactions, {usable} with the hands on target, {fine} of them plausible")
 
 
 def table(experiments: list[Experiment]) -> None:
@@ -94,4 +138,6 @@ def speed() -> None:
 if __name__ == "__main__":
     files = [Path(name) for name in sys.argv[1:]] or [EXPERIMENTS / f"{name}.yaml" for name in SHIPPED]
     table([natural(file) for file in files])
+    for human in ("paper", "natural"):
+        plausible(unseen(human))
     speed()

@@ -47,7 +47,7 @@ def report(
     from fatigue_planner.output.reports.results.report_data import ReportData
     from fatigue_planner.output.reports.results.sections.reactions import draw_reactions
     from fatigue_planner.output.reports.results.sections.returns import draw_returns
-    from fatigue_planner.output.reports.study.finished import study_of
+    from fatigue_planner.output.reports.study.finished import studies_of
     from fatigue_planner.reactions.reaction import digests
     from fatigue_planner.study.benchmark.results import load_results
     from fatigue_planner.study.benchmark.selection import Selection, selected
@@ -76,11 +76,13 @@ def report(
         files = figures.files
         text = "\n".join(f"{path} (and .svg, .csv)" for path in files if path.suffix == ".png")
     else:
-        tables, study = load_results(settings, folder, benchmark), study_of(settings, folder.parent)
-        commands = [simulate, benchmark + tables.options, *(["fatplan sensitivity"] if study else []), own]
-        data = ReportData(feasible, reactions, profiles, tables, folder, find_shipped(file), commands, study, left_out)
-        path = folder / REPORT_FILE
-        publish_text(path, report_page(data, figures))
+        tables, studies = load_results(settings, folder, benchmark), studies_of(settings, folder.parent)
+        made_by = [f"fatplan sensitivity {study.note.study.name}" for study in studies]
+        commands = [simulate, benchmark + tables.options, *made_by, own]
+        data = ReportData(
+            feasible, reactions, profiles, tables, folder, find_shipped(file), commands, studies, left_out
+        )
+        publish_text(path := folder / REPORT_FILE, report_page(data, figures))
         files = [*figures.files, path]
         text = (
             f"{path}: {path.stat().st_size / 1e6:.1f} MB; {len(figures.files)} files of figures and data beside it "

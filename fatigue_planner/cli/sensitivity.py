@@ -1,6 +1,6 @@
 """`fatplan sensitivity`: how results depend on settings that could have been chosen differently."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,13 +11,12 @@ from fatigue_planner.cli.progress import progress, run_jobs, talk, warn
 from fatigue_planner.core.errors import ExperimentError
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.study.sensitivity.design import Point
     from fatigue_planner.study.sensitivity.reactions import Reacted
     from fatigue_planner.study.sensitivity.study import Study
+    from fatigue_planner.study.sensitivity.tables import StudyRuns
 
 DEFAULT_STUDY = Path("sensitivity")
 
@@ -36,8 +35,9 @@ def sensitivity(
     """Find out for which settings planning is worthwhile, and which settings decide that.
 
     A STUDY names the settings of an experiment that could have been chosen differently. They are changed one at a time
-    and all at once (a space-filling design). Reactions in the cache are not simulated again. The same command continues
-    an interrupted run where it stopped, and ends with the same tables.
+    and all at once (a space-filling design). The study `readings` compares readings of the paper's text. Reactions in
+    the cache are not simulated again. The same command continues an interrupted run where it stopped, and ends with
+    the same tables.
     """
     from fatigue_planner.core.files import writable_folder
     from fatigue_planner.reactions.cache import ReactionCache
@@ -49,8 +49,8 @@ def sensitivity(
     store = writable_folder(results / settings.settings.name / "parts")
     command = options.command_line("sensitivity", study, cache, results)
     reacted = _react(settings, points, ReactionCache(writable_folder(cache)), executor, command)
-    trials = _run(reacted, store, executor)
-    document, names = _publish(settings, reacted, trials, results / settings.settings.name, command)
+    runs = _run(settings, reacted, store, executor)
+    document, names = _publish(settings, reacted, runs, results / settings.settings.name, command)
     conclusions = "\n".join(f"{number}. {sentence}" for number, sentence in enumerate(document["lessons"], start=1))
     options.present(document, f"{conclusions}\n\n{document['folder']}: {names}", as_json)
 
@@ -74,7 +74,7 @@ def _react(
     return reacted
 
 
-def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Mapping[str, pd.DataFrame]":
+def _run(study: "Study", reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "StudyRuns":
     from fatigue_planner.study.benchmark.estimate import decisions_left, duration_text, estimated_seconds
     from fatigue_planner.study.sensitivity.tables import StudyGrid
 
@@ -85,14 +85,14 @@ def _run(reacted: "Sequence[Reacted]", store: Path, executor: "Executor") -> "Ma
     console.print(
         f"{len(grid.cells)} different cells, {sum(left)} decisions left: about {time} with {executor.workers} workers."
     )
-    return grid.tables(run_jobs(grid.cells, store, executor, "Decisions", "runs"))
+    return grid.runs(run_jobs(grid.cells, store, executor, "Decisions", "runs"), study.settings)
 
 
 def _publish(
-    study: "Study", reacted: "Sequence[Reacted]", trials: "Mapping[str, pd.DataFrame]", folder: Path, command: str
+    study: "Study", reacted: "Sequence[Reacted]", runs: "StudyRuns", folder: Path, command: str
 ) -> tuple[dict[str, Any], str]:
     """Write all tables, figures and the page; the JSON document, and the names of the files for people."""
-    from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
+    from fatigue_planner.core.files import publish_csv, publish_text
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
     from fatigue_planner.output.figures.sensitivity import draw_study
     from fatigue_planner.output.reports.html.page import REPORT_FILE
@@ -102,13 +102,13 @@ def _publish(
     from fatigue_planner.study.sensitivity.reactions import unique_digests
     from fatigue_planner.study.sensitivity.tables import study_tables
 
-    tables = study_tables(study, reacted, trials, None if study.claims is None else judge(study.claims))
+    tables = study_tables(study, reacted, runs, None if study.claims is None else judge(study.claims))
     files = [folder / CONCLUSIONS_FILE]
     publish_text(files[0], "".join(f"{sentence}\n" for sentence in tables.conclusions))
     for name, table in tables.files().items():
         files.append(folder / f"{name}.csv")
         publish_csv(files[-1], table)
-    drawn = draw_study(study, [one.point for one in reacted], tables, writable_folder(folder / FIGURES))
+    drawn = draw_study(study, [one.point for one in reacted], tables, folder / FIGURES)
     configuration = {
         "study": study.settings.plain(),
         "experiment": study.base.plain(),
@@ -118,7 +118,8 @@ def _publish(
     }
     hashes = publish_manifest(folder, "sensitivity", configuration, [*files, *drawn])
     publish_text(folder / REPORT_FILE, study_page(read_study(folder), command))
-    names = ", ".join([REPORT_FILE, *(path.name for path in files), f"{FIGURES}/", MANIFEST_FILE])
+    folders = [f"{FIGURES}/"] if drawn else []
+    names = ", ".join([REPORT_FILE, *(path.name for path in files), *folders, MANIFEST_FILE])
     feasible = sum(one.profiles is not None for one in reacted)
     document = {
         "folder": folder,

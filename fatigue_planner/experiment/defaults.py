@@ -33,7 +33,7 @@ def usual_preferences(experiment: Mapping[str, Any]) -> dict[str, Preference]:
     working = {side for action in actions.values() for side in action.goals()}
     arms = [arm for side, arm in UPPER_ARMS.items() if side in working]
     upright = tuple(SegmentUpright(kind="segment_upright", segment=arm, weight=10.0) for arm in arms)
-    thorax = SegmentUpright(kind="segment_upright", segment="thorax", weight=1.0)
+    thorax = SegmentUpright(kind="segment_upright", segment="thorax", weight=1.0, stiffness_per_s2=80.0)
     return {"arm": Preference(tasks=(thorax,)), "back": Preference(tasks=upright)}
 
 

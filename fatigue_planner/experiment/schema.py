@@ -237,8 +237,10 @@ class Experiment(Settings):
         named = {f"policies.{name}": policy for name, policy in self.benchmark.policies.items()}
         reference = self.benchmark.reference
         for name, planner in (named | ({"reference": reference} if reference else {})).items():
-            if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
+            if self.discount == 1 and getattr(planner, "leaf_value", "none") == "bound":
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
+            if self.discount == 1 and planner.kind == "cyclic":
+                yield f"benchmark.{name}.kind: cyclic needs a discount below 1"
         certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"

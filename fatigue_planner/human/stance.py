@@ -21,7 +21,7 @@ from fatigue_planner.human.skeleton import SIDES
 
 Vector = NDArray[np.float64]
 
-PAPER_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+PAPER_DEG = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 5.0}
 
 # Just off the straight knee and elbow (assumed).
 KNEE_DEG = ELBOW_DEG = 5.0

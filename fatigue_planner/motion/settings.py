@@ -32,7 +32,7 @@ class Cycle(Settings):
     work_s: Duration = Field(default=6.0, description="Duration in s of the work at the target (paper, section IV-A).")
     return_s: Duration = Field(default=5.0, description="Duration in s of the way back; open in the paper.")
     return_hand: Literal["pose", "position", "free"] = Field(
-        default="pose",
+        default="free",
         description="What of the hand follows a trajectory on the way back: its pose; its position, so that it may "
         "turn freely; or nothing (free), so that the posture task alone brings the body home.",
     )

@@ -10,12 +10,12 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
+from fatigue_planner.planners.baselines import AlternatingSettings, CyclicSettings, GreedySettings, RandomSettings
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 
-KINDS = (RandomSettings, AlternatingSettings, GreedySettings, PomcpSettings, LookaheadSettings)
+KINDS = (RandomSettings, AlternatingSettings, GreedySettings, CyclicSettings, PomcpSettings, LookaheadSettings)
 for kind in KINDS:
     POLICIES.add(kind)
 

@@ -22,11 +22,16 @@ MAX_PLANS = 1000
 
 
 class PlanValues(NamedTuple):
-    """Plan p of worker m is worth constant[m, p] + sum over entries of (square f^2 + linear f) at [m, p]."""
+    """Plan p of worker m is worth constant[m, p] + sum over entries of (square f^2 + linear f) at [m, p].
+
+    actions (P, MAX_PLAN_LENGTH): those of each plan, repeated up to this length; lengths (P,): of one repetition.
+    """
 
     square: Array
     linear: Array
     constant: Array
+    actions: NDArray[np.int64]
+    lengths: NDArray[np.int64]
 
 
 def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
@@ -59,6 +64,8 @@ def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> Pl
     plans = cyclic_plans(gain.shape[1])
     g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
     found: list[tuple[Array, Array, Array]] = []
+    actions = np.array([np.resize(plan, MAX_PLAN_LENGTH) for plan in plans])
+    lengths = np.array([len(plan) for plan in plans])
     for length in sorted({len(plan) for plan in plans}):
         phases = np.array([plan for plan in plans if len(plan) == length]).T[::-1]  # the last cycle first
         square = _fixed_point([(discount * g2[:, now], -g2[:, now] / entries) for now in phases])
@@ -72,7 +79,8 @@ def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> Pl
         ]
         constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
         found.append((square[0], linear[0], constant[0]))
-    values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
+    joined = [np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)]
+    values = PlanValues(joined[0], joined[1], joined[2], actions, lengths)
     return _undominated(values) if len(gain) == 1 else values
 
 
@@ -104,7 +112,17 @@ def _undominated(values: PlanValues) -> PlanValues:
             dominated = np.maximum(np.maximum(a + b, 0), middle).sum(axis=1) + c <= 0
             dominated[better] = False
             undominated &= ~dominated
-    return PlanValues(*(table[:, undominated] for table in values))
+    square, linear, constant = (table[:, undominated] for table in (values.square, values.linear, values.constant))
+    return PlanValues(square, linear, constant, values.actions[undominated], values.lengths[undominated])
+
+
+def best_plan(values: PlanValues, states: Array, weights: Vector) -> tuple[int, ...]:
+    """The actions of the plan with the best expected value for states (n, L), whose last number is the worker."""
+    workers, fatigue = states[:, -1].astype(int), states[:, None, : values.square.shape[2]]
+    square, linear = values.square[workers], values.linear[workers]
+    worth = ((square * fatigue + linear) * fatigue).sum(axis=2) + values.constant[workers]
+    best = int((weights @ worth).argmax())
+    return tuple(values.actions[best, : values.lengths[best]].tolist())
 
 
 @inlined

@@ -12,7 +12,7 @@ from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.settings import MAX_TICKS
 
 # What produces the numbers of a motion besides its settings: folders and modules of this package.
-SOURCES = ("human", "motion", "core/settings.py", "core/yaml_reader.py", "core/jit.py")
+SOURCES = ("human", "motion", "core/settings.py", "core/text.py", "core/yaml_reader.py", "core/jit.py")
 # The QP solvers come with casadi.
 NUMERICAL_LIBRARIES = ("pin", "casadi", "numpy", "numba", "scipy")
 

@@ -340,7 +340,7 @@ WHOLE_FILES = {
         b'name: "\\ud800"\n', "line 1, column 7: the character \\ud800 is not allowed in text."
     ),
     "no character": WholeFile(b'name: "\\UFFFFFFFF"\n', "is not valid YAML ("),
-    "cut in a key": WholeFile(PAPER_BYTES.partition(b"ch_s:")[0] + b"\n  b: 1\n", "line "),
+    "cut in a key": WholeFile(PAPER_BYTES.split(b"ver: daqp")[0] + b"\n  b: 1\n", "line "),
     "cut in quotes": WholeFile(b'name: "paper\n', "line 2, column 1: found unexpected end of stream."),
     "tabs": WholeFile(b"name: paper\nworkers:\n\tanna: {}\n", "line 3, column 1: found character '\\t' that cannot"),
     "two documents": WholeFile(PAPER_BYTES + b"---\n" + PAPER_BYTES, "line "),

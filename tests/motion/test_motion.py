@@ -201,19 +201,26 @@ def test_motions_are_consistent_and_return_to_the_stance(paper: Experiment, reac
 
 
 def test_the_preferences_do_what_they_say(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
-    """For each object pose the arm reaction bends the back less, the back reaction lifts the arm less."""
+    """For each object pose the arm reaction bends the back less, the back reaction lifts the arm less.
+
+    At the low one they are a squat and a stoop: the line from mid-hip to C7 leans at most 50 deg, and 25 deg more.
+    """
     human = build_human(paper.workers["average_man"])
     data = human.model.createData()
     tilt: dict[tuple[str, str, str], float] = {}
     for reaction in reactions:
         work = reaction.motion.phase("work")
         pin.framesForwardKinematics(human.model, data, reaction.motion.configuration[(work.start + work.stop) // 2])
-        for segment in ("thorax", "right_upper_arm"):
-            upright = data.oMf[human.model.getFrameId(segment)].rotation[2, 2]
-            tilt[reaction.name.action, reaction.name.preference, segment] = np.degrees(np.arccos(upright))
+        hips, c7 = (data.oMf[human.model.getFrameId(name)].translation for name in ("pelvis", "neck"))
+        axes = {name: data.oMf[human.model.getFrameId(name)].rotation[:, 2] for name in ("thorax", "right_upper_arm")}
+        for name, axis in {**axes, "spine": c7 - hips}.items():
+            lean = np.degrees(np.arccos(axis[2] / np.linalg.norm(axis)))
+            tilt[reaction.name.action, reaction.name.preference, name] = lean
     for action in ("high", "low"):
         assert tilt[action, "back", "right_upper_arm"] < tilt[action, "arm", "right_upper_arm"] - 5
-    assert tilt["low", "arm", "thorax"] < tilt["low", "back", "thorax"]
+        assert tilt[action, "arm", "thorax"] < tilt[action, "back", "thorax"] - 5
+    assert tilt["low", "arm", "spine"] < 50
+    assert tilt["low", "back", "spine"] - tilt["low", "arm", "spine"] > 25
 
 
 def test_torques_are_in_the_literatures_bands(reactions: tuple[Reaction, ...]) -> None:
@@ -285,7 +292,9 @@ def test_checks_are_made_from_the_stored_motion(paper: Experiment, reactions: tu
     moved = reactions[0].motion.configuration.copy()
     moved[:, 0] += 0.1
     quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, configuration=moved))
-    assert quality.work_hand_error_m > 0.09 and quality.foot_displacement_m == pytest.approx(0.1, rel=1e-5)
+    assert quality.work_hand_error_m > 0.09
+    slid = reactions[0].quality.foot_displacement_m
+    assert quality.foot_displacement_m == pytest.approx(0.1, abs=slid + 1e-9) and slid < 1e-4
     wrench = reactions[0].motion.wrench.copy()
     wrench[5, 5] += 1e3
     quality = measure(reaction_requests(paper)[0].motion, replace(reactions[0].motion, wrench=wrench))
@@ -330,11 +339,20 @@ def test_failures_say_why(paper: Experiment) -> None:
 
 
 def test_limits_that_contradict_each_other_give_way_a_little_and_say_so(paper: Experiment) -> None:
-    """Hardly any braking allowed: four ticks have no solution within the bounds; the verdict is honest."""
+    """Hardly any braking allowed: four ticks have no solution within the bounds; the verdict is honest.
+
+    The motion is a stoop from bent elbows: that of the paper meets no contradiction.
+    """
 
     request = reaction_requests(paper)[2].motion
     slow = request.controller.model_copy(update={"acceleration_limit_radps2": 1.0})
-    request = replace(request, controller=slow, cycle=Cycle(reach_s=2.5, work_s=1.0, return_s=2.5))
+    (task,) = request.preference.tasks
+    stoop = request.preference.model_copy(update={"tasks": (task.model_copy(update={"stiffness_per_s2": None}),)})
+    bent = request.worker.model_copy(
+        update={"natural_posture_deg": {**request.worker.natural_posture_deg, "elbow_flexion": 15.0}}
+    )
+    cycle = Cycle(reach_s=2.5, work_s=1.0, return_s=2.5, return_hand="pose")
+    request = replace(request, controller=slow, cycle=cycle, preference=stoop, worker=bent)
     motion = simulate(request)
     quality = measure(request, motion)
     assert 0 < quality.eased_ticks < 30 and 0 < quality.eased_radps2 < 5

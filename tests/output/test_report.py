@@ -32,7 +32,7 @@ from fatigue_planner.output.reports.results.sections.postures import ArmHold, ar
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins
-from fatigue_planner.output.reports.study.finished import study_of
+from fatigue_planner.output.reports.study.finished import studies_of
 from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.study.benchmark.results import load_results
 from fatigue_planner.study.benchmark.selection import Selection, selected
@@ -78,7 +78,7 @@ def report_data(
     tables = load_results(experiment, folder, COMMAND)
     profiles = cycle_profiles(experiment, reactions)
     commands = ["fatplan simulate", "fatplan report"]
-    return ReportData(experiment, reactions, profiles, tables, folder, file, commands, None)
+    return ReportData(experiment, reactions, profiles, tables, folder, file, commands)
 
 
 @pytest.fixture(scope="module")
@@ -247,17 +247,18 @@ def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, 
     (folder / "lessons.txt").write_text("Planning pays.\n")
     headline = {"planner": "greedy", "condition": "single_novice", "n_cycles": 5}
     note = {
-        "study": {"name": "study", "baselines": ["random"], "headline": headline}, "experiment": paper.plain(),
+        "study": {"name": "study", "baselines": ["random"], "headline": headline, "space_filling": None},
+        "experiment": paper.plain(),
         "seed": 1, "figures": [], "reactions": digests(reaction_requests(paper)),
     }  # fmt: skip
     publish_manifest(folder, "sensitivity", note, [folder / "lessons.txt"])
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "manifest.json").write_text('{"sensitivity": {}}')
-    found = study_of(paper, tmp_path)
-    assert found is not None and found.conclusions == ["Planning pays."]
-    assert study_of(paper.model_copy(update={"discount": 0.9}), tmp_path) is None
+    (found,) = studies_of(paper, tmp_path)
+    assert found.conclusions == ["Planning pays."] and not found.combines
+    assert studies_of(paper.model_copy(update={"discount": 0.9}), tmp_path) == []
     publish_manifest(folder, "sensitivity", note | {"reactions": {"a": "other"}}, [folder / "lessons.txt"])
-    assert study_of(paper, tmp_path) is None
+    assert studies_of(paper, tmp_path) == []
 
 
 def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:

@@ -60,7 +60,7 @@ def test_active_entries_change_nothing(paper: Experiment, reactions: tuple[React
     condition = paper.benchmark.conditions["multiple_novice"].model_copy(update={"expertise": 50.0})
     task = scenario(paper, cycle_profiles(paper, reactions), condition)
     model, state = task.model, task.states[1]
-    assert model.entries == 78 and len(model.active_entries) < 40
+    assert model.entries == 78 and len(model.active_entries) < 50
     assert state.size == len(model.active_entries) + -len(model.active_entries) % LANES + 1
     parameters = fatigue_parameters(paper.fatigue, maximum_torque("average_man"))
     maps = {

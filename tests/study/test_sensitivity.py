@@ -38,6 +38,7 @@ from fatigue_planner.study.sensitivity.gains import (
     leader_table,
     paired_gain,
     reproduced_fraction,
+    verdict_table,
 )
 from fatigue_planner.study.sensitivity.importance import explained_variance, importance_table, p_values
 from fatigue_planner.study.sensitivity.reactions import react, unique_requests
@@ -120,7 +121,7 @@ def study(tmp_path: Path) -> Study:
         (span("range", 2, 9, "benchmark.trials"), "must be the same at all points"),
         (choice(a={"discount": 0.9}, b={"discount": 0.8}), "none is the experiment's own"),
         (choice(a={"discount": 0.9}, b={}), "levels.b: all levels must give the same keys"),
-        (one_factor(kind="wheel"), "factors.own.kind = 'wheel': should be one of 'range', 'scale', 'choice'"),
+        (one_factor(kind="wheel"), "own.kind = 'wheel': should be one of 'range', 'scale', 'choice', 'readings'"),
         ({"factors": STUDY["factors"] | {"again": STUDY["factors"]["rollout"]}},
          "is already changed by factor 'rollout'"),
         ({"planners": ["planing"]}, "planners: planing; known are alternating"),
@@ -441,7 +442,7 @@ def test_claims_are_counted_over_points(study: Study, synthetic: Any) -> None:
     yes, no = Judgements(fails, holds), Judgements(fails, open_)
     verdicts = {"a": {"first": yes, "second": no}, "b": {"first": yes, "second": yes}}
     tables = {name: pd.DataFrame({"name": [name]}) for name in verdicts}
-    claims = claim_table(tables, lambda trials: verdicts[trials.loc[0, "name"]])
+    claims = claim_table(verdict_table(tables, lambda trials: verdicts[trials.loc[0, "name"]]))
     counts = {(row["claim"], row["analysis"], row["verdict"]): row["points"] for row in claims.to_dict("records")}
     assert counts == {
         ("first", "modern", "reproduced"): 2, ("second", "modern", "undetermined"): 1,

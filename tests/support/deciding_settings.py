@@ -114,6 +114,7 @@ def _experiment() -> Content:
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
         },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
+        "cyclic": {"kind": "cyclic"},
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}

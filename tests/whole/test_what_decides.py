@@ -158,7 +158,7 @@ def test_names_order_and_spelling_decide_only_where_they_are_used(keys_of: Calla
         assert (other.cells == base.cells) is (old == "multiple")  # a condition is called unknown_0, too
     spelt = copy.deepcopy(EXPERIMENT)
     spelt["tool"] = dict(reversed(spelt["tool"].items()))
-    spelt["cycle"]["return_hand"] = "pose"  # what it is when left out
+    spelt["cycle"]["return_hand"] = "free"  # what it is when left out
     assert keys_of(spelt) == base
 
 
@@ -227,7 +227,7 @@ TOO_MUCH = {
 # What the code reads besides modules.
 BODY_DATA = {
     f"human/data/{name}.yaml"
-    for name in ("capsules", "geometry/natural", "geometry/paper", "passive_moments", "ranges_of_motion", "segments")
+    for name in ("capsules", "segments", "geometry/natural", "geometry/paper", "passive_moments", "ranges_of_motion")
 }
 
 
@@ -269,7 +269,9 @@ def in_reach(*modules: str) -> tuple[set[str], set[str]]:
 
 # What is kept -> the modules that make it, the sources in its key, what of the reach has no part in it.
 MAKERS = {
-    "reactions": (("motion.simulator", "motion.verification"), reaction_key.SOURCES, WITHOUT_A_PART, BODY_DATA),
+    "reactions": (
+        ("motion.simulator", "motion.verification", "motion.causes"), reaction_key.SOURCES, WITHOUT_A_PART, BODY_DATA,
+    ),
     "cells": (("study.benchmark.cell", "planners.registry"), cell.SOURCES, WITHOUT_A_PART | ONLY_NAMES, set()),
     "regret": (
         ("study.benchmark.regret", "planners.registry"), (*cell.SOURCES, *regret.REGRET_SOURCES),

@@ -8,11 +8,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fatigue_planner.core.files import writable_folder
 from fatigue_planner.core.text import format_label
 from fatigue_planner.output.figures.style import COLOURS, FigureFolder, house_style, new_figure, set_title
 from fatigue_planner.study.sensitivity.conclusions import MAX_NAMED, of_headline
 from fatigue_planner.study.sensitivity.design import Point
-from fatigue_planner.study.sensitivity.factors import ChoiceSettings, FactorSettings, SpanSettings, level_text
+from fatigue_planner.study.sensitivity.factors import FactorSettings, NamedLevels, SpanSettings, level_text
 from fatigue_planner.study.sensitivity.study import Study
 from fatigue_planner.study.sensitivity.tables import StudyTables
 
@@ -23,10 +24,15 @@ TORNADO_COLUMNS = ["factor", "level", "gain", "gain_low", "gain_high"]
 
 
 def draw_study(study: Study, points: Sequence[Point], tables: StudyTables, folder: Path) -> list[Path]:
-    """A tornado chart per baseline; where combinations can be performed, importance and trends; the headline's."""
+    """A tornado chart per baseline; where combinations can be performed, importance and trends; the headline's.
+
+    Nothing without combinations: a few points are for tables.
+    """
+    if tables.importance is None:
+        return []
     headline, baselines = study.settings.headline, study.settings.baselines
     gains, importance = of_headline(tables.gains, headline), of_headline(tables.importance, headline)
-    figures = FigureFolder(folder)
+    figures = FigureFolder(writable_folder(folder))
     for baseline in baselines:
         table = tornado_table(points, gains[gains["baseline"] == baseline])
         where = f"{format_label(headline.condition)}, {headline.n_cycles} cycles"
@@ -160,8 +166,8 @@ def trend_figure(table: pd.DataFrame, factors: Mapping[str, FactorSettings], bas
 
 
 def _trend_panel(axes: Axes, table: pd.DataFrame, name: str, factor: FactorSettings) -> None:
-    if isinstance(factor, ChoiceSettings):
-        names = list(factor.levels)
+    if isinstance(factor, NamedLevels):
+        names = list(map(str, factor.all_levels()))
         # spread over the width of a level in the order of the points
         spread = np.linspace(-0.25, 0.25, len(table)) if len(table) > 1 else np.zeros(len(table))
         across = np.array([names.index(str(level)) for level in table[name]]) + spread

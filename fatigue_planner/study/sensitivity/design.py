@@ -32,7 +32,7 @@ class Point:
 
 
 def design(study: Study) -> list[Point]:
-    """The base experiment, each factor's other levels alone, and combinations of levels of all factors.
+    """The base experiment, each factor's other levels alone, and, if asked for, combinations of levels of all factors.
 
     The combinations are the first points of a scrambled Sobol sequence, so a study with twice as many points begins
     with the same ones (if it has the same factors).
@@ -68,5 +68,7 @@ def _unit_cube(study: Study) -> list[list[float]]:
     from scipy.stats import qmc  # noqa: PLC0415 - takes half a second
 
     filling = study.settings.space_filling
+    if filling is None:
+        return []
     sequence = qmc.Sobol(len(study.settings.factors), rng=random_stream(filling.seed, "space filling"))
     return [list(map(float, row)) for row in sequence.random(filling.points)]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fatigue_planner.core.errors import ExperimentError, shortened
-from fatigue_planner.core.settings import Settings
+from fatigue_planner.core.settings import Name, Settings
 
 Level = float | str
 Matrix = NDArray[np.float64]
@@ -64,8 +64,26 @@ class FactorSettings(Settings):
     def regressors(self, levels: Sequence[Level]) -> Matrix:
         """Columns (points, p), besides a constant, that describe the effect of levels (points,)."""
 
+    def argument(self, level: Level) -> str:
+        """Why a level could be chosen."""
+        return self.reason
 
-class ChoiceSettings(FactorSettings):
+
+class NamedLevels(FactorSettings):
+    """The base class of factors whose levels have names."""
+
+    def level_at(self, position: float) -> Level:
+        """The levels in their order, each for an equal part of [0, 1]."""
+        names = self.all_levels()
+        return names[min(int(position * len(names)), len(names) - 1)]
+
+    def regressors(self, levels: Sequence[Level]) -> Matrix:
+        """A column of zeros and ones for each level that occurs, except the first, which the constant represents."""
+        names = [name for name in self.all_levels() if name in levels]
+        return np.array([[level == name for name in names[1:]] for level in levels], dtype=float)
+
+
+class ChoiceSettings(NamedLevels):
     """Levels by name; all set the same keys, and one of them has the experiment's own values."""
 
     kind: Literal["choice"] = Field(description="Named levels, each with values of its own.")
@@ -98,11 +116,6 @@ class ChoiceSettings(FactorSettings):
         own = listed_values({key: base[key] for key in self.changed_keys()})
         raise ExperimentError(f"levels: none is the experiment's own ({own}).")
 
-    def level_at(self, position: float) -> Level:
-        """The levels in their order, each for an equal part of [0, 1]."""
-        names = list(self.levels)
-        return names[min(int(position * len(names)), len(names) - 1)]
-
     def all_levels(self) -> Sequence[Level]:
         """Every name."""
         return list(self.levels)
@@ -111,10 +124,48 @@ class ChoiceSettings(FactorSettings):
         """The values of the level."""
         return self.levels[str(level)]
 
-    def regressors(self, levels: Sequence[Level]) -> Matrix:
-        """A column of zeros and ones for each level that occurs, except the first, which the constant represents."""
-        names = [name for name in self.levels if name in levels]
-        return np.array([[level == name for name in names[1:]] for level in levels], dtype=float)
+
+class Reading(Settings):
+    """Another reading of a text: what it changes, and the argument for it."""
+
+    argument: str = Field(min_length=1, description="The argument for this reading, for the page of results.")
+    changes: dict[str, Any] = Field(
+        min_length=1, max_length=100, description="What it changes: dotted keys of the experiment and their values."
+    )
+
+
+class ReadingsSettings(NamedLevels):
+    """The experiment as it is, which is one reading of a text, and other readings, each with an argument."""
+
+    kind: Literal["readings"] = Field(description="Readings of a text, each with its argument and its changes.")
+    base: Name = Field(description="Name of the experiment's own reading; `reason` is the argument for it.")
+    others: dict[Name, Reading] = Field(min_length=1, max_length=20, description="The other readings, by name.")
+
+    @model_validator(mode="after")
+    def _check_base(self) -> Self:
+        if self.base in self.others:
+            raise ValueError(f"base = {self.base!r}: is also among the others")
+        return self
+
+    def changed_keys(self) -> tuple[str, ...]:
+        """The keys that some reading changes."""
+        return tuple(dict.fromkeys(key for reading in self.others.values() for key in reading.changes))
+
+    def base_level(self, base: BaseValues) -> Level:
+        """The experiment's own reading."""
+        return self.base
+
+    def all_levels(self) -> Sequence[Level]:
+        """Every name, the experiment's own first."""
+        return [self.base, *self.others]
+
+    def changes(self, level: Level, base: BaseValues) -> Mapping[str, Any]:
+        """The changes of the reading."""
+        return {} if level == self.base else self.others[str(level)].changes
+
+    def argument(self, level: Level) -> str:
+        """The argument for the reading."""
+        return self.reason if level == self.base else self.others[str(level)].argument
 
 
 # How many levels are tried one at a time: both ends and two between them.
@@ -232,4 +283,4 @@ class ScaleSettings(SpanSettings):
         return {key: float(f"{float(level) * base[key]:.{DIGITS}g}") for key in self.keys}
 
 
-AnyFactor = Annotated[RangeSettings | ScaleSettings | ChoiceSettings, Field(discriminator="kind")]
+AnyFactor = Annotated[RangeSettings | ScaleSettings | ChoiceSettings | ReadingsSettings, Field(discriminator="kind")]

@@ -98,18 +98,22 @@ def judge(claims: Claims) -> VerdictsOf:
     return verdicts_of
 
 
-def claim_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> pd.DataFrame:
-    """How many points have which verdict.
-
-    One row per claim, analysis (modern, or the paper's own) and verdict: points, and share: the fraction of all points.
-    """
+def verdict_table(trials: Mapping[str, pd.DataFrame], verdicts_of: VerdictsOf) -> pd.DataFrame:
+    """The verdicts everywhere: one row per point, claim and analysis (modern, or the paper's own)."""
     rows = [
-        (claim, analysis, getattr(judgements, analysis).answer.verdict)
-        for table in trials.values()
+        (point, claim, analysis, getattr(judgements, analysis).answer.verdict)
+        for point, table in trials.items()
         for claim, judgements in verdicts_of(table).items()
         for analysis in ANALYSES
     ]
-    found = pd.DataFrame(rows, columns=["claim", "analysis", "verdict"])
+    return pd.DataFrame(rows, columns=["point", "claim", "analysis", "verdict"])
+
+
+def claim_table(found: pd.DataFrame) -> pd.DataFrame:
+    """How many points have which verdict, from `verdict_table`.
+
+    One row per claim, analysis and verdict: points, and share: the fraction of all points.
+    """
     counts = found.groupby(["claim", "analysis", "verdict"], sort=False).size().reset_index(name="points")
     counts["share"] = counts["points"] / counts.groupby(["claim", "analysis"])["points"].transform("sum")
     return counts

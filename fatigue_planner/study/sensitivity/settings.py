@@ -64,7 +64,11 @@ class StudySettings(Settings):
     planners: tuple[Name, ...] = Field(min_length=1, description="Policies that are compared with the baselines.")
     baselines: tuple[Name, ...] = Field(min_length=1, description="Policies that the planners are compared with.")
     headline: Headline = Field(description="The comparison that sentences and figures are about.")
-    space_filling: SpaceFilling = Field(description="Points at which all factors change at once (Sobol's sequence).")
+    space_filling: SpaceFilling | None = Field(
+        default=None,
+        description="Points at which all factors change at once (Sobol's sequence); left out, they change one at a "
+        "time only.",
+    )
     claims: str | None = Field(
         default=None,
         min_length=1,

@@ -29,7 +29,7 @@ def human_page(
 ) -> str:
     """The page, as Markdown, of a worker and his or her `reactions`; `command` writes it.
 
-    predicted: what `predictions` found; picture: name of a picture of the reactions beside the page.
+    predicted: what `predictions` found; picture: a picture of the reactions beside the page. Both may be left out.
     """
     human = build_human(worker)
     postures, from_hand = torques.postures(worker, human)

@@ -17,7 +17,7 @@ from fatigue_planner.output.reports.results.sections.losses import losses_sectio
 from fatigue_planner.output.reports.results.sections.provenance import provenance_section
 from fatigue_planner.output.reports.results.sections.reactions import reactions_section
 from fatigue_planner.output.reports.results.sections.returns import returns_section
-from fatigue_planner.output.reports.results.sections.sensitivity import sensitivity_section
+from fatigue_planner.output.reports.results.sections.sensitivity import readings_section, sensitivity_section
 from fatigue_planner.output.reports.results.sections.settings import settings_section
 
 
@@ -39,6 +39,7 @@ SECTIONS: dict[str, SectionWriter] = {
     "actions": actions_section,
     "reactions": reactions_section,
     "claims": claims_section,
+    "readings": readings_section,
     "sensitivity": sensitivity_section,
     "settings": settings_section,
     "provenance": provenance_section,

@@ -28,7 +28,7 @@ class ReportData:
     """An experiment, its reactions, what a cycle of each does to fatigue (`profiles`), and the tables of its results.
 
     `folder` holds the results, `file` is the experiment's, `commands` make the results and the report again,
-    `study` is a sensitivity study of the experiment. `omissions` are sentences on what of the experiment's file is left
+    `studies` are those of the experiment. `omissions` are sentences on what of the experiment's file is left
     out, because it cannot be performed.
     """
 
@@ -39,8 +39,18 @@ class ReportData:
     folder: Path
     file: Path
     commands: Sequence[str]
-    study: FinishedStudy | None
+    studies: Sequence[FinishedStudy] = ()
     omissions: Sequence[str] = ()
+
+    @property
+    def study(self) -> FinishedStudy | None:
+        """The first study that changes all settings at once."""
+        return next((study for study in self.studies if study.combines), None)
+
+    @property
+    def readings(self) -> FinishedStudy | None:
+        """The first study that sets a few readings of the experiment side by side."""
+        return next((study for study in self.studies if not study.combines), None)
 
     @property
     def policies(self) -> list[str]:

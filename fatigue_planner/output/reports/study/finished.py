@@ -12,7 +12,7 @@ from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, r
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.reaction import digests
-from fatigue_planner.study.sensitivity.settings import Headline
+from fatigue_planner.study.sensitivity.settings import Headline, SpaceFilling
 
 COMMAND = "fatplan sensitivity"
 CONCLUSIONS_FILE = "lessons.txt"
@@ -27,6 +27,7 @@ class NotedStudy(BaseModel):
     name: str
     baselines: tuple[str, ...]
     headline: Headline
+    space_filling: SpaceFilling | None
 
 
 class StudyNote(Note):
@@ -50,6 +51,11 @@ class FinishedStudy:
     conclusions: list[str]
     tables: dict[str, pd.DataFrame]
 
+    @property
+    def combines(self) -> bool:
+        """Whether it changes all factors at once; else it sets a few points side by side."""
+        return self.note.study.space_filling is not None
+
     def figure(self, name: str) -> tuple[str, pd.DataFrame]:
         """A figure's drawing (SVG) and its data."""
         path = self.folder / FIGURES / f"{name}.svg"
@@ -66,11 +72,12 @@ def read_study(folder: Path) -> FinishedStudy:
     return FinishedStudy(folder, note, (folder / CONCLUSIONS_FILE).read_text(encoding="utf-8").splitlines(), tables)
 
 
-def study_of(experiment: Experiment, results: Path) -> FinishedStudy | None:
-    """The study in a results folder whose base is this experiment, with the same reactions; the first by name.
+def studies_of(experiment: Experiment, results: Path) -> list[FinishedStudy]:
+    """The studies in a results folder whose base is this experiment, with the same reactions, by name.
 
     Raises DamagedFileError if its files are not as they were written.
     """
+    found: list[FinishedStudy] = []
     now, reactions = experiment.plain(), set(digests(reaction_requests(experiment)).values())
     for manifest in sorted(results.glob(f"*/{MANIFEST_FILE}")):
         try:
@@ -79,8 +86,8 @@ def study_of(experiment: Experiment, results: Path) -> FinishedStudy | None:
             continue  # results of another kind or version
         same = all(note.experiment.get(key) == now[key] for key in now if key not in OF_THE_GRID)
         if same and reactions <= set(note.reactions.values()):
-            return read_study(manifest.parent)
-    return None
+            found.append(read_study(manifest.parent))
+    return found
 
 
 def _table(path: Path) -> pd.DataFrame:

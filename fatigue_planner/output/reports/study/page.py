@@ -10,6 +10,7 @@ from fatigue_planner.output.figures.style import Picture
 from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Section, Table, Text
 from fatigue_planner.output.reports.html.page import page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
+from fatigue_planner.output.reports.study.side_by_side import side_by_side
 from fatigue_planner.study.claims.schema import VERDICTS
 from fatigue_planner.study.sensitivity.conclusions import of_headline
 from fatigue_planner.study.sensitivity.gains import ANALYSES
@@ -31,18 +32,23 @@ def study_page(study: FinishedStudy, command: str) -> str:
             "`manifest.json`."
         ),
     ]
-    sections = [
-        Section("Which settings decide", deciding(study, "")),
-        Section("All conditions and lengths", [over_all_cells(study, "")]),
-        claims_over_points(study, ""),
-        Section("What was tried", [tried(study, "")]),
-        Section("What cannot be performed", infeasible(study, "")),
-        Section("Provenance", provenance),
-    ]
+    question = "When does planning pay?" if study.combines else "What holds under other readings?"
+    sections: list[Section | None]
+    if not study.combines:
+        sections = [*side_by_side(study, "")]
+    else:
+        sections = [
+            Section("Which settings decide", deciding(study, "")),
+            Section("All conditions and lengths", [over_all_cells(study, "")]),
+            claims_over_points(study, ""),
+            Section("What was tried", [tried(study, "")]),
+            Section("What cannot be performed", infeasible(study, "")),
+        ]
+    sections.append(Section("Provenance", provenance))
     subtitle = (
         f"Written by fatplan {versions()['fatplan']} from the tables beside this page; no number was typed by hand."
     )
-    title = f"When does planning pay? The study {note.study.name}"
+    title = f"{question} The study {note.study.name}"
     return page(title, subtitle, [Points(study.conclusions)], [section for section in sections if section is not None])
 
 

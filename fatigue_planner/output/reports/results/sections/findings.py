@@ -30,6 +30,8 @@ def findings(report_data: ReportData) -> list[str]:
     if left_out := report_data.claims_left_out:
         file = report_data.claims_file.name
         items.append(f"{counted(left_out, 'claim')} of `{file}` not judged: about more than this grid.")
+    if (readings := report_data.readings) is not None:
+        items += readings.conclusions[:3]
     if (study := report_data.study) is not None:
         items.append(f"The study `{study.note.study.name}` of other settings: {study.conclusions[0]}")
     return items
