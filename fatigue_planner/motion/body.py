@@ -91,22 +91,23 @@ class Body:
         self.shares = self._shares(phases, added)
 
     def _shares(self, phases: tuple[Phase, ...], added: list[TimedTask]) -> list[Share]:
-        """The tasks whose weight changes during the cycle."""
+        """The tasks whose weight changes during the cycle.
+
+        A human with a way home of his own lets go of the work as that says, whatever `return_hand` is.
+        """
         cycle, dt, ticks = self.request.cycle, self.request.controller.time_step_s, phases[-1].stop
         aim, first = self.physiology.aim(), 1 + len(self.hands)
         aiming = np.ones(ticks) if aim is None else aim
-        released = aiming.copy()
-        if cycle.return_hand != "pose":
-            released[phases[-1].start :] *= 1 - rise_of(phases[-1], dt)
-        preferred = self.request.preference.tasks
-        factors = [weight_factor_of(task.during, phases, dt) for task in preferred]
+        factors = [weight_factor_of(task.during, phases, dt) for task in self.request.preference.tasks]
         own = [aiming if factor is None else aiming * factor for factor in factors]
         own += [share * aiming if aims else share for _, share, aims in added]
-        first_released = 0 if cycle.return_hand == "free" else 3
+        released, first_released = aiming.copy(), 0
+        if aim is None and cycle.return_hand != "pose":
+            released[phases[-1].start :] *= 1 - rise_of(phases[-1], dt)
+            first_released = 0 if cycle.return_hand == "free" else 3
         shares = [Share(index, first_released, released) for index in range(1, first)]
-        if aim is not None:
-            shares = [Share(index, 0, aiming) for index in range(1, first)] + shares
-        return shares + [Share(first + index, 0, share) for index, share in enumerate(own) if (share != 1).any()]
+        shares += [Share(first + index, 0, share) for index, share in enumerate(own)]
+        return [share for share in shares if (share.share != 1).any()]
 
     def lean_against(self, side: Side, force_n: Vector) -> None:
         """Shift the target of the centre of mass so that a force (3,) on a hand leaves the centre of pressure in place.
