@@ -114,7 +114,7 @@ def test_doctor_and_human(cache_folder: Path, tmp_path: Path) -> None:
     found = document("human export", PAPER, "--output", urdf)
     assert found["joints"] == 39 and found["mass_kg"] == pytest.approx(75) and urdf.exists()
     found = document("human report", PAPER, "--cache", cache_folder, "--output", page)
-    assert found["outside"] == 6 and Path(found["file"]) == page
+    assert found["outside"] == 8 and Path(found["file"]) == page
 
 
 @pytest.mark.parametrize(

@@ -129,7 +129,7 @@ def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Expe
     _, again = complete(weak, tmp_path / "a")
     assert [outcome.found for outcome in (*first, *again)] == [False, True]
     assert first[0].failure == again[0].failure and "no admissible movement" in first[0].failure
-    assert first[0].failure.endswith("it fails without load, at half the speed and half-way to the hanging hand.")
+    assert first[0].failure.endswith("with a free orientation and half-way to the hanging hand.")
     assert load_reactions(weak, tmp_path / "a", "fatplan simulate") == ()
     (path,) = cache.files()
     assert verify_entry(path).verdict == "ok" and first[0].failure in verify_entry(path).reason

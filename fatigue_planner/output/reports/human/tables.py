@@ -35,8 +35,8 @@ SET_ENTRIES = {
 }
 # Biacromial breadth and span of ANSUR II in % of stature; of the eight subjects the range of shares of stature.
 MEASURED_BREADTHS = {
-    "between the shoulder joints": ("23.7 | 22.4 (between the acromia)", (35.4 / 168, 44 / 178)),
-    "arm span": ("103.3 | 101.9", (163 / 168, 197 / 182)),
+    "between the shoulder joints": ("23.7; 22.4 (between the acromia)", (35.4 / 168, 44 / 178)),
+    "arm span": ("103.3; 101.9", (163 / 168, 197 / 182)),
 }
 ENDURANCE_LOADS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
 # Where the model has to follow the general curve of endurance.
@@ -268,7 +268,7 @@ def breadths(human: Human) -> SourcedTable:
     person = human.anthropometry
     arm = sum(person.length(name) for name in ("upper_arm_length", "forearm_length", "hand_length"))
     shoulders = 2 * person.length("shoulder_half_width")
-    table = SourcedTable(["breadth", "model, % of stature", "ANSUR II, men | women", "subjects", "verdict"])
+    table = SourcedTable(["breadth", "model, % of stature", "ANSUR II, men; women", "subjects", "verdict"])
     for name, value in (("between the shoulder joints", shoulders), ("arm span", shoulders + 2 * arm)):
         survey, measured = MEASURED_BREADTHS[name]
         share = value / person.stature_m
