@@ -168,3 +168,14 @@ def test_a_file_to_begin_with_can_be_simulated(tmp_path: Path) -> None:
     assert fatplan("init", "mine", cwd=tmp_path).returncode == 0
     done = fatplan("simulate", "mine.yaml", cwd=tmp_path)
     assert done.returncode == 0 and "4 simulated" in done.stdout, done.stderr
+
+
+def test_which_human_moves_is_said_where_the_file_does_not(tmp_path: Path) -> None:
+    brisk = "cycle: {reach_s: 0.1, work_s: 0.1, return_s: 0.1}\n"  # too fast for anybody, and over at once
+    said = {}
+    for name, human in (("silent", ""), ("named", "human: natural\n")):
+        file = tmp_path / f"{name}.yaml"
+        file.write_text(SMALLEST + brisk + human)
+        said[name] = fatplan("simulate", file, "--cache", tmp_path / "cache", "--jobs", 1).stderr
+    assert said["silent"].count("human: natural") == 1 and "names no human" in said["silent"]
+    assert "names no human" not in said["named"]
