@@ -5,7 +5,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from fatigue_planner.planners.reference import reference_for
 from small_problems import STARTS, belief_in, choice_probabilities, relaxed, small_profiles
 
 from fatigue_planner.core.errors import ExperimentError
