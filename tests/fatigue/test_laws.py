@@ -48,7 +48,7 @@ def test_cycle_maps_are_the_integral_of_the_law(law: FatigueLaw, reactions: tupl
                 f = f + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
         mapping = law.profile(share, motion.time_step_s, parameters).cycle_map()
         assert np.abs(mapping.apply(fatigue) - f).max() < 1e-9
-        assert (f > fatigue).sum() > 1 and (f < fatigue).sum() > 50
+        assert (f > fatigue).any() and (f < fatigue).sum() > 50
 
 
 def test_the_closed_form_of_ma_is_that_of_its_flows(reactions: tuple[Reaction, ...]) -> None:

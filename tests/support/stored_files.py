@@ -13,15 +13,18 @@ TIMES = "planning_times.csv"
 
 
 def visible(folder: Path) -> dict[str, bytes]:
-    """What users and later runs see, times aside: parts hold them, too."""
+    """What users and later runs see, times aside: parts and bounds hold them, too."""
     found = {}
     for path in sorted(path for path in folder.rglob("*") if path.is_file()):
         if path.name.startswith(".") or path.name == TIMES:
             continue
         content = path.read_bytes()
-        if path.parent.parent.name == "parts":
+        if path.parent.parent.name in ("parts", "bounds"):
             rows = json.loads(content)["trials"]
-            kept = [{key: value for key, value in row.items() if not key.endswith("time_s")} for row in rows]
+            kept = [
+                {key: value for key, value in row.items() if not key.endswith("time_s") and key != "seconds"}
+                for row in rows
+            ]
             content = json.dumps(kept).encode()
         found[str(path.relative_to(folder))] = content
     return found
