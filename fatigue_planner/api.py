@@ -177,8 +177,13 @@ def run(scenario: Scenario, policy: "PolicyLike", n_cycles: int = 100, seed: int
     >>> len(run.cycles), run.discounted_return < 0
     (5, True)
     """
+    return _run(scenario, policy, policy if isinstance(policy, str) else "policy", n_cycles, seed, trial)
+
+
+def _run(scenario: Scenario, policy: "PolicyLike", name: str, n_cycles: int, seed: int, trial: int) -> Run:
+    """See `run`; `name` chooses the random numbers of the policy's own."""
     random_numbers = draw_random_numbers(seed, scenario.name, n_cycles, trial)
-    rng = random_stream(seed, "planner", scenario.name, n_cycles, trial, _label(policy))
+    rng = random_stream(seed, "planner", scenario.name, n_cycles, trial, name)
     episode = Episode(scenario, random_numbers)
     model, belief = episode.model, scenario.initial_belief(_knows(policy), episode.model, rng)
     cycles = list(decided_cycles(episode, belief, _actor(policy), n_cycles, rng))
@@ -208,21 +213,13 @@ def run_trials(
     rows = []
     for name, chosen in policies.items():
         for trial in range(trials):
-            result = run(scenario, _Named(name, chosen), n_cycles, seed, trial)
+            result = _run(scenario, chosen, name, n_cycles, seed, trial)
             cost = result.cycles["cost"]
             rows.append((name, trial, result.discounted_return, cost.iloc[-1], cost.max()))
     return pd.DataFrame(rows, columns=["policy", "trial", "discounted_return", "final_cost", "peak_cost"])
 
 
-@dataclass(frozen=True)
-class _Named:
-    """A policy under the name by which its random numbers are drawn."""
-
-    name: str
-    policy: "PolicyLike"
-
-
-PolicyLike = str | Mapping[str, Any] | PolicySettings | Actor | _Named
+PolicyLike = str | Mapping[str, Any] | PolicySettings | Actor
 
 
 class _ActorPolicy(Policy):
@@ -251,21 +248,13 @@ class _ActorPolicy(Policy):
 
 
 def _actor(chosen: PolicyLike) -> Policy:
-    if isinstance(chosen, _Named):
-        return _actor(chosen.policy)
     if isinstance(chosen, str | Mapping | PolicySettings):
         return policy(chosen).build()
     return _ActorPolicy(chosen)
 
 
 def _knows(chosen: PolicyLike) -> Knowledge:
-    if isinstance(chosen, _Named):
-        return _knows(chosen.policy)
     return policy(chosen).knows if isinstance(chosen, str | Mapping | PolicySettings) else "prior"
-
-
-def _label(chosen: PolicyLike) -> str:
-    return chosen.name if isinstance(chosen, _Named) else chosen if isinstance(chosen, str) else "policy"
 
 
 def _named(decision: Decision, actions: tuple[str, ...]) -> NamedDecision:
