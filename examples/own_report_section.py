@@ -5,7 +5,7 @@ As a plug-in (`fatplan report mine.yaml --plugin examples/own_report_section.py`
 
 import fatigue_planner as fp
 from fatigue_planner.output.figures.style import house_style, new_figure
-from fatigue_planner.output.reports.html.blocks import Section, Table, Text
+from fatigue_planner.output.reports.page import Section, Table, Text
 
 
 @fp.report_section

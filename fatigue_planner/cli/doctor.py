@@ -95,8 +95,8 @@ def _data_files() -> Finding:
     from fatigue_planner.fatigue.parameters import FatigueSettings
     from fatigue_planner.human.model import Worker
     from fatigue_planner.human.strength_sets import load_strengths, shipped_sets
-    from fatigue_planner.output.reports.html.page import page
     from fatigue_planner.output.reports.human.page import human_page
+    from fatigue_planner.output.reports.page import page
 
     for name in shipped_sets():
         load_strengths(name)

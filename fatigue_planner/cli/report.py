@@ -42,7 +42,7 @@ def report(
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.output.figures.style import FigureFolder
-    from fatigue_planner.output.reports.html.page import REPORT_FILE
+    from fatigue_planner.output.reports.page import REPORT_FILE
     from fatigue_planner.output.reports.results.report import report as report_page
     from fatigue_planner.output.reports.results.report_data import ReportData
     from fatigue_planner.output.reports.results.sections.reactions import draw_reactions

@@ -95,7 +95,7 @@ def _publish(
     from fatigue_planner.core.files import publish_csv, publish_text
     from fatigue_planner.core.provenance import MANIFEST_FILE, publish_manifest
     from fatigue_planner.output.figures.sensitivity import draw_study
-    from fatigue_planner.output.reports.html.page import REPORT_FILE
+    from fatigue_planner.output.reports.page import REPORT_FILE
     from fatigue_planner.output.reports.study.finished import CONCLUSIONS_FILE, FIGURES, read_study
     from fatigue_planner.output.reports.study.page import study_page
     from fatigue_planner.study.sensitivity.gains import judge

@@ -22,8 +22,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS, highest_fatigue
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.output.figures.style import FigureFolder, Picture
-from fatigue_planner.output.reports.html.blocks import Code, Points, Section, Table, Text
-from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.page import Code, Points, Section, Table, Text, page
 from fatigue_planner.output.reports.results.compare import compare, compare_page, compare_text
 from fatigue_planner.output.reports.results.report import SECTIONS, SectionWriter, report, report_section
 from fatigue_planner.output.reports.results.report_data import ReportData

@@ -12,7 +12,7 @@ from conftest import PAPER, ROOT
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.fatigue.entries import JOINT_GROUPS
-from fatigue_planner.output.reports.html.blocks import Table
+from fatigue_planner.output.reports.page import Table
 from fatigue_planner.output.reports.study.finished import read_study
 from fatigue_planner.output.reports.study.side_by_side import side_by_side
 from fatigue_planner.reactions.cache import ReactionCache

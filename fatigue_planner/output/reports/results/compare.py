@@ -14,8 +14,7 @@ from fatigue_planner.core.errors import StaleTableError
 from fatigue_planner.core.text import format_label, percent, percent_range, significant
 from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text, as_text
-from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.page import Block, Section, Table, Text, as_text, page
 from fatigue_planner.study.benchmark.results import BenchmarkNote, load_folder
 from fatigue_planner.study.statistics.contrast import Contrast
 from fatigue_planner.study.statistics.contrasts import side_by_side

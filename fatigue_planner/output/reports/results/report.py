@@ -6,8 +6,7 @@ from fatigue_planner.core.errors import FatplanError, PluginError
 from fatigue_planner.core.plugins import failure_text, origin_of
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Points, Section
-from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.page import Points, Section, page
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.actions import actions_section
 from fatigue_planner.output.reports.results.sections.claims import claims_section
@@ -56,7 +55,7 @@ def report_section(write: W) -> W:
     The function gets the report's data and the folder of its figures (see `SectionWriter`). Raises PluginError if there
     is another section of this name.
 
-    >>> from fatigue_planner.output.reports.html.blocks import Section, Text
+    >>> from fatigue_planner.output.reports.page import Section, Text
     >>> @fp.report_section
     ... def last_cycle(report_data, figures):
     ...     cost = report_data.results.trials["final_cost"].mean()

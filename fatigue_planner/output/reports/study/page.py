@@ -7,8 +7,7 @@ import pandas as pd
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.core.text import brief_percent, format_label, listing, significant
 from fatigue_planner.output.figures.style import Picture
-from fatigue_planner.output.reports.html.blocks import Block, Code, Points, Section, Table, Text
-from fatigue_planner.output.reports.html.page import page
+from fatigue_planner.output.reports.page import Block, Code, Points, Section, Table, Text, page
 from fatigue_planner.output.reports.study.finished import FIGURES, FinishedStudy
 from fatigue_planner.output.reports.study.side_by_side import side_by_side
 from fatigue_planner.study.claims.schema import VERDICTS

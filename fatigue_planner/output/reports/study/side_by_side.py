@@ -3,7 +3,7 @@
 import pandas as pd
 
 from fatigue_planner.core.text import brief_percent, format_label, percent
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.study.finished import FinishedStudy
 from fatigue_planner.study.claims.schema import Answer
 from fatigue_planner.study.sensitivity.gains import ANALYSES

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.output.figures.style import FigureFolder, house_style, new_figure, set_title
-from fatigue_planner.output.reports.html.blocks import Section
+from fatigue_planner.output.reports.page import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.tables import ACTIONS, actions_of
 from fatigue_planner.study.statistics.pairing import groups_of

@@ -2,7 +2,7 @@
 
 from fatigue_planner.core.text import counted, listing
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Section, Table, Text
+from fatigue_planner.output.reports.page import Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.claims.evaluation import Evaluation
 from fatigue_planner.study.claims.schema import VERDICTS

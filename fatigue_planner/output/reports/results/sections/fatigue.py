@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.text import format_label, listing, percent
 from fatigue_planner.fatigue.entries import highest_fatigue
 from fatigue_planner.output.figures.style import LINES, FigureFolder, house_style, look, new_figure, set_title
-from fatigue_planner.output.reports.html.blocks import Section
+from fatigue_planner.output.reports.page import Section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.law_limits import law_limits
 

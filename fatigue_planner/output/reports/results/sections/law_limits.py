@@ -9,7 +9,7 @@ from fatigue_planner.fatigue.entries import JOINT_GROUPS
 from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.human.skeleton import without_side
 from fatigue_planner.output.figures.costs import entry_label
-from fatigue_planner.output.reports.html.blocks import Block, Points, Table, Text
+from fatigue_planner.output.reports.page import Block, Points, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.reactions.reaction import ReactionName
 

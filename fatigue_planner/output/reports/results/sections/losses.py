@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.output.figures.style import FigureFolder, house_style, mark_policies, new_figure, set_title
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.planners.lookahead import describe
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE

@@ -9,7 +9,7 @@ from fatigue_planner.core.text import counted, format_label, listing, percent
 from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.posture_measures import upper_arm_elevation
-from fatigue_planner.output.reports.html.blocks import Block, Table, Text
+from fatigue_planner.output.reports.page import Block, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 

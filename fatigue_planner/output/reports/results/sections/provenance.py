@@ -6,7 +6,7 @@ import json
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Code, Section, Table, Text
+from fatigue_planner.output.reports.page import Code, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 
 

@@ -23,7 +23,7 @@ from fatigue_planner.output.figures.costs import (
 )
 from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.style import FigureFolder, Picture
-from fatigue_planner.output.reports.html.blocks import Block, Section, Table, Text
+from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.postures import arm_hold, plausibility_blocks
 from fatigue_planner.reactions.reaction import Reaction, ReactionName

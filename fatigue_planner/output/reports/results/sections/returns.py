@@ -18,7 +18,7 @@ from fatigue_planner.output.figures.style import (
     new_figure,
     set_title,
 )
-from fatigue_planner.output.reports.html.blocks import Block, Section, Text
+from fatigue_planner.output.reports.page import Block, Section, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.results import CONTRASTS_FILE
 from fatigue_planner.study.statistics.comparison import STARS

@@ -1,8 +1,7 @@
 """The studies of the experiment, where there are some: other readings of a text, and other settings."""
 
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Block, Points, Section, Text
-from fatigue_planner.output.reports.html.page import REPORT_FILE
+from fatigue_planner.output.reports.page import REPORT_FILE, Block, Points, Section, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.study.page import claims_over_points, deciding, over_all_cells
 from fatigue_planner.output.reports.study.side_by_side import side_by_side

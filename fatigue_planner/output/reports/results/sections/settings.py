@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.html.blocks import Section, Table, Text
+from fatigue_planner.output.reports.page import Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 
 _LINE = re.compile(r"^(?P<indent> *)(?:- )?(?P<key>[A-Za-z_][\w.-]*):(?P<value>[^#]*?)(?:\s+#\s*(?P<comment>.*))?$")

@@ -1,1 +1,0 @@
-"""What every page is made of: sections of blocks, and the template that shows them."""
