@@ -134,8 +134,8 @@ class Experiment(Settings):
         """What one part says of another; all faults at once, one per line."""
         faults = [
             *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
-            *self._family_faults(), *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(),
-            *self._belief_faults(),
+            *self._named_action_faults(), *self._endless_faults(), *self._family_faults(), *self._figure_faults(),
+            *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(),
         ]  # fmt: skip
         if faults:
             raise ValueError("\n".join(faults))
@@ -190,6 +190,21 @@ class Experiment(Settings):
             if policy.descents < len(self.actions):
                 key = f"benchmark.policies.{name}.descents"
                 yield f"{key} = {policy.descents}: {too_few_descents(len(self.actions))}"
+
+    def _named_action_faults(self) -> Iterator[str]:
+        for name, policy in self.benchmark.policies.items():
+            for key, actions in policy.actions_named().items():
+                if unknown := [action for action in dict.fromkeys(actions) if action not in self.actions]:
+                    known = listed(self.actions)
+                    yield f"benchmark.policies.{name}.{key}: {listed(unknown)}: not among the actions {known}"
+
+    def _endless_faults(self) -> Iterator[str]:
+        for name, policy in self.benchmark.policies.items():
+            if policy.plans_endlessly() and self.discount == 1:
+                yield (
+                    f"benchmark.policies.{name}: the best schedule is that of a task without end, which needs a "
+                    "discount below 1; give a sequence"
+                )
 
     def _family_faults(self) -> Iterator[str]:
         grid = self.benchmark

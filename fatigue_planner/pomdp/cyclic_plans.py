@@ -46,34 +46,57 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
     """The discounted returns of all cyclic plans worth considering, where all reactions are equally likely.
 
-    gain, offset (M, A, U, L): cycle maps. With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle
-    and cost sum_j f_j^2 / 2N, before it, with means over the reactions f' = g f + o:
-        A <- mean (gamma A - 1 / 2N) g^2
-        B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
-        C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
-    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
-    Raises ExperimentError without a discount below 1.
+    gain, offset (M, A, U, L): cycle maps. Raises ExperimentError without a discount below 1.
     """
     if discount >= 1:
         raise ExperimentError("leaf value bound: endless plans have no value without a discount below 1.")
     plans = cyclic_plans(gain.shape[1])
-    g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
-    found: list[tuple[Array, Array, Array]] = []
-    for length in sorted({len(plan) for plan in plans}):
-        phases = np.array([plan for plan in plans if len(plan) == length]).T[::-1]  # the last cycle first
-        square = _fixed_point([(discount * g2[:, now], -g2[:, now] / entries) for now in phases])
-        weight = [discount * after - 1 / entries for after in square]
-        linear = _fixed_point(
-            [(discount * g1[:, now], 2 * w * go[:, now]) for now, w in zip(phases, weight, strict=True)]
-        )
-        added = [
-            (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1)
-            for now, w, after in zip(phases, weight, linear, strict=True)
-        ]
-        constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
-        found.append((square[0], linear[0], constant[0]))
+    moments = mean_maps(gain, offset)
+    found = [
+        values_of_plans(moments, discount, entries, np.array([plan for plan in plans if len(plan) == length]))
+        for length in sorted({len(plan) for plan in plans})
+    ]
     values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
     return _undominated(values) if len(gain) == 1 else values
+
+
+class MeanMaps(NamedTuple):
+    """Means over the reactions of g, g^2, o, o^2 and g o, each (M, A, L), where a cycle maps f to g f + o."""
+
+    g: Array
+    gg: Array
+    o: Array
+    oo: Array
+    go: Array
+
+
+def mean_maps(gain: Array, offset: Array) -> MeanMaps:
+    """The means of cycle maps (M, A, U, L) over equally likely reactions."""
+    return MeanMaps(*(table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset)))
+
+
+def values_of_plans(moments: MeanMaps, discount: float, entries: int, plans: NDArray[np.intp]) -> PlanValues:
+    """The discounted returns of endless cyclic plans (P, length). The discount is below 1.
+
+    With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j f_j^2 / 2N, before it, with means over the
+    reactions f' = g f + o:
+        A <- mean (gamma A - 1 / 2N) g^2
+        B <- mean 2 (gamma A - 1 / 2N) g o + gamma B g
+        C <- sum_j mean (gamma A - 1 / 2N) o^2 + gamma B o  +  gamma C
+    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
+    """
+    phases = plans.T[::-1]  # the last cycle first
+    square = _fixed_point([(discount * moments.gg[:, now], -moments.gg[:, now] / entries) for now in phases])
+    weight = [discount * after - 1 / entries for after in square]
+    linear = _fixed_point(
+        [(discount * moments.g[:, now], 2 * w * moments.go[:, now]) for now, w in zip(phases, weight, strict=True)]
+    )
+    added = [
+        (w * moments.oo[:, now] + discount * after * moments.o[:, now]).sum(axis=-1)
+        for now, w, after in zip(phases, weight, linear, strict=True)
+    ]
+    constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
+    return PlanValues(square[0], linear[0], constant[0])
 
 
 def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:

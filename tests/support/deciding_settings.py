@@ -113,6 +113,17 @@ def _experiment() -> Content:
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
         },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
+        "fixed": {"kind": "fixed", "action": "low"},
+        "periodic": {"kind": "periodic", "sequence": ["high", "low"]},
+        "robust": {
+            "kind": "robust_periodic", "longest": 2,
+            "workers": {
+                "fatigue_rate_factor": {"kind": "choice", "values": [1, 2], "probabilities": [0.5, 0.5]},
+                "recovery_rate_factor": {"kind": "lognormal", "median": 1, "sigma": 0.5},
+                "expertise": {"kind": "uniform", "from": 0, "to": 5000},
+            },
+        },
+        "threshold": {"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.1},
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}

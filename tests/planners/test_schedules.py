@@ -1,0 +1,288 @@
+"""Schedules: cost against step-by-step sums, search against brute force, and the policies that follow them."""
+
+import math
+from collections.abc import Callable
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from small_problems import NOISY, STARTS, belief_in, relaxed, small_model, two_starts, two_workers, with_discount
+
+from fatigue_planner.core.errors import ProblemError, SelectionError
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.planners.policy import Policy
+from fatigue_planner.planners.registry import policy
+from fatigue_planner.planners.robust_periodic import USUAL_WORKERS, varied
+from fatigue_planner.planners.schedules.cost import SAMPLES, MeanCost, schedule_cost
+from fatigue_planner.planners.schedules.policy import best_schedule_for
+from fatigue_planner.planners.schedules.search import MAX_LISTED, best_schedule
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
+
+Plan = tuple[int, ...]
+
+
+def random_task(n_actions: int, expertise: float, seed: int, discount: float = 0.9) -> ExactBelief:
+    """A rested worker of six entries; every reaction loads three of them."""
+    rng = np.random.default_rng(seed)
+    rates, zeros = (np.full(6, 0.01667), np.full(6, 0.04)), np.zeros((1, 6))
+    names = [f"a{i}" for i in range(n_actions)]
+    loads = {name: rng.permutation(rng.uniform(3, 20, 6) * (np.arange(6) < 3)) for name in product(names, "xy")}
+    profiles = {
+        name: CycleProfile(load[None], zeros, zeros, np.where(load > 0, 8.0, 16.0), *rates)
+        for name, load in loads.items()
+    }
+    return relaxed(build_pomdp(names, "xy", profiles, np.zeros((1, 6)), one_worker(expertise), discount))
+
+
+def expected_cost(belief: Belief, plan: Plan, cycles: int) -> float:
+    """The sum over all histories of so many cycles, one after the other."""
+    model = belief.model
+
+    def from_state(state: np.ndarray, cycle: int) -> float:
+        if cycle == cycles:
+            return 0.0
+        total, action = 0.0, plan[cycle % len(plan)]
+        for outcome, chance in enumerate(model.probabilities(state, action)):
+            if chance > 0:
+                after, reward = model.transition(state, action, outcome)
+                total += chance * (model.discount * from_state(after, cycle + 1) - reward)
+        return total
+
+    return float(sum(w * from_state(s, 0) for s, w in zip(belief.states, belief.weights, strict=True)))
+
+
+def costs(belief: Belief, plans: list[Plan]) -> np.ndarray:
+    return schedule_cost(belief).costs(np.array(plans, dtype=np.intp))
+
+
+def brute_force(cost: Callable[[Plan], float], n_actions: int, longest: int) -> float:
+    return min(cost(plan) for n in range(1, longest + 1) for plan in product(range(n_actions), repeat=n))
+
+
+def actions_of(made: Policy, belief: Belief, cycles: int) -> list[str]:
+    """What a policy does where the first reaction is always observed."""
+    rng, taken = np.random.default_rng(0), []
+    for _ in range(cycles):
+        action = made.act(belief, rng).action
+        made.observe(action, 0)
+        belief = belief.update(action, 0, rng)
+        taken.append(belief.model.actions[action])
+    return taken
+
+
+# --- costs ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("plan", [(0,), (1, 0), (0, 1, 1)])
+def test_the_cost_for_a_novice_is_the_sum_over_all_histories(plan: Plan) -> None:
+    belief = with_discount(two_starts(small_model(0.0)), 0.2)
+    assert costs(belief, [plan])[0] == pytest.approx(expected_cost(belief, plan, 12), rel=1e-7)
+
+
+@pytest.mark.parametrize("plan", [(0,), (1, 0), (0, 1, 1)])
+def test_the_cost_for_an_expert_is_that_of_his_own_choices(plan: Plan) -> None:
+    belief = two_starts(small_model(math.inf))
+    assert costs(belief, [plan])[0] == pytest.approx(expected_cost(belief, plan, 300), rel=1e-6)
+
+
+def test_the_cost_for_others_is_a_mean_of_their_own_choices() -> None:
+    """Within four standard errors, by the spread of the returns of single histories."""
+    belief = with_discount(two_starts(small_model(25.0)), 0.5)
+    exact = expected_cost(belief, (0, 1), 14)
+    novice = expected_cost(with_discount(two_starts(small_model(0.0)), 0.5), (0, 1), 14)
+    rng, model, returns = np.random.default_rng(5), belief.model, []
+    for _ in range(400):
+        state, cost = belief.states[rng.choice(2, p=belief.weights)], 0.0
+        for cycle in range(14):
+            state, _, reward = model.sample_step(state, cycle % 2, rng)
+            cost -= 0.5**cycle * reward
+        returns.append(cost)
+    error = np.std(returns) / math.sqrt(SAMPLES)
+    found = costs(belief, [(0, 1)])[0]
+    assert abs(found - exact) < 4 * error
+    assert abs(np.mean(returns) - exact) < 4 * np.std(returns) / math.sqrt(400)
+    assert abs(novice - exact) > 1e-4 * exact  # the choices do matter
+
+
+def test_hidden_workers_and_noisy_observations_change_nothing_about_the_mean() -> None:
+    """The cost of a belief is the weighted mean of those of its states; recognition does not matter."""
+    workers = two_workers()
+    mixed = costs(workers, [(0, 1, 1)])[0]
+    assert mixed == pytest.approx(costs(two_workers(NOISY), [(0, 1, 1)])[0])
+    starts = two_starts(small_model(0.0))
+    single = [costs(belief_in(small_model(0.0), STARTS[i : i + 1], [1.0]), [(0, 1)])[0] for i in (0, 1)]
+    assert costs(starts, [(0, 1)])[0] == pytest.approx(0.3 * single[0] + 0.7 * single[1])
+
+
+def test_large_beliefs_are_thinned_to_about_the_same_cost() -> None:
+    rng = np.random.default_rng(4)
+    fatigue = rng.uniform(0, 0.5, (500, 3))
+    belief = belief_in(small_model(0.0), fatigue, np.full(500, 1 / 500))
+    exact = np.mean([costs(belief_in(small_model(0.0), row[None], [1.0]), [(0, 1)])[0] for row in fatigue])
+    assert costs(belief, [(0, 1)])[0] == pytest.approx(exact, rel=0.05)
+
+
+def test_without_a_discount_schedules_have_no_cost() -> None:
+    with pytest.raises(ProblemError, match="discount below 1"):
+        schedule_cost(with_discount(relaxed(small_model(0.0)), 1.0))
+
+
+# --- the search -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("expertise", [0.0, math.inf])
+def test_few_schedules_are_all_looked_at(expertise: float) -> None:
+    belief = random_task(3, expertise, seed=2)
+    found = best_schedule(schedule_cost(belief), 3, longest=5)
+    assert found.exact
+    assert found.cost == pytest.approx(brute_force(lambda plan: costs(belief, [plan])[0], 3, 5), rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_search_finds_the_best_of_too_many_to_list(seed: int) -> None:
+    belief, actions, longest = random_task(9, 0.0, seed), 9, 4
+    assert actions**longest > MAX_LISTED
+    found = best_schedule(schedule_cost(belief), actions, longest)
+    assert not found.exact
+    every = [plan for n in range(1, longest + 1) for plan in product(range(actions), repeat=n)]
+    least = min(costs(belief, [plan for plan in every if len(plan) == n]).min() for n in range(1, longest + 1))
+    assert found.cost == pytest.approx(least, rel=1e-12)
+
+
+@pytest.mark.parametrize("expertise", [0.0, 200.0, math.inf])
+def test_nothing_is_lost_beyond_32_actions(expertise: float) -> None:
+    """The best of all pairs is never better than what is found among 36 actions, of which no pairs are listed."""
+    belief = random_task(36, expertise, seed=7)
+    found = best_schedule(schedule_cost(belief), 36)
+    pairs = [(a, b) for a, b in product(range(36), repeat=2) if a != b]
+    assert found.cost <= costs(belief, pairs).min() * (1 + 1e-12)
+    assert found.cost == pytest.approx(costs(belief, [found.actions])[0], rel=1e-12)
+    assert len(found.actions) > 1
+
+
+def test_the_shortest_of_equal_schedules_is_taken() -> None:
+    """Two actions that are the same: one of them, for ever."""
+    belief = random_task(1, 0.0, seed=3)
+    assert best_schedule(schedule_cost(belief), 1).actions == (0,)
+
+
+def test_one_schedule_for_several_workers_has_the_least_mean_cost() -> None:
+    first, second = random_task(3, 0.0, seed=2), random_task(3, math.inf, seed=8)
+    together = MeanCost([schedule_cost(first), schedule_cost(second)])
+    found = best_schedule(together, 3, longest=4)
+
+    def mean(plan: Plan) -> float:
+        return float(costs(first, [plan])[0] + costs(second, [plan])[0]) / 2
+
+    assert found.cost == pytest.approx(brute_force(mean, 3, 4), rel=1e-12)
+
+
+def test_the_same_schedule_is_searched_for_once() -> None:
+    belief, same = random_task(3, 0.0, seed=2), random_task(3, 0.0, seed=2)
+    assert best_schedule_for(belief, 4) is best_schedule_for(same, 4)
+    assert best_schedule_for(belief, 4) is not best_schedule_for(belief, 3)
+    assert best_schedule_for(random_task(3, 0.0, seed=3), 4) is not best_schedule_for(belief, 4)
+
+
+# --- the policies -----------------------------------------------------------------------------------------------
+
+
+def test_fixed_is_the_most_ergonomic_action_of_one_cycle_or_the_named_one() -> None:
+    belief = random_task(5, 0.0, seed=1)
+    best = belief.model.actions[int(belief.expected_rewards().argmax())]
+    assert actions_of(policy("fixed").build(), belief, 4) == [best] * 4
+    assert actions_of(policy({"kind": "fixed", "action": "a3"}).build(), belief, 3) == ["a3"] * 3
+
+
+def test_periodic_repeats_its_sequence_or_the_best_one() -> None:
+    belief = random_task(4, 0.0, seed=5)
+    given = policy({"kind": "periodic", "sequence": ("a1", "a1", "a0")})
+    assert actions_of(given.build(), belief, 7) == ["a1", "a1", "a0", "a1", "a1", "a0", "a1"]
+    best = best_schedule(schedule_cost(belief), 4).actions
+    assert len(best) > 1
+    assert actions_of(policy("periodic").build(), belief, 2 * len(best)) == 2 * [f"a{a}" for a in best]
+    single = min(range(4), key=lambda a: costs(belief, [(a,)])[0])
+    assert actions_of(policy({"kind": "periodic", "longest": 1}).build(), belief, 2) == [f"a{single}"] * 2
+
+
+def test_robust_periodic_is_the_best_on_average_over_the_workers() -> None:
+    belief = random_task(3, 0.0, seed=2)
+    workers = {"fatigue_rate_factor": {"kind": "choice", "values": (0.5, 3.0), "probabilities": (0.25, 0.75)}}
+    found = actions_of(policy({"kind": "robust_periodic", "workers": workers, "longest": 3}).build(), belief, 3)
+    each = [belief.model.for_workers(one_worker(0.0)._replace(fatigue_rate_factor=np.array([f]))) for f in (0.5, 3.0)]
+
+    def mean(plan: Plan) -> float:
+        return 0.25 * costs(relaxed(each[0]), [plan])[0] + 0.75 * costs(relaxed(each[1]), [plan])[0]
+
+    numbers = tuple(int(name[1:]) for name in found)
+    assert mean(numbers) == pytest.approx(brute_force(mean, 3, 3), rel=1e-12)
+
+
+def test_the_usual_workers_spread_as_measured_around_each_worker() -> None:
+    belief = varied(two_workers(), USUAL_WORKERS)
+    assert belief.weights.sum() == pytest.approx(1)
+    workers = belief.model.workers
+    for own, factor in ((1.5, workers.fatigue_rate_factor[:32]), (1.1, workers.recovery_rate_factor[32:])):
+        logarithms = np.log(factor / own)
+        assert abs(logarithms.mean()) < 1e-9
+        assert logarithms.std() == pytest.approx(0.456, rel=0.05)
+    assert set(workers.expertise) == {0.0, 25.0}
+
+
+def two_loads(**others: float) -> tuple[ExactBelief, dict[str, object]]:
+    """Action `left` tires the first entry only, `right` the second one, a little more; both tire fast."""
+    rates, zeros = (np.full(2, 0.01), np.full(2, 0.04)), np.zeros((1, 2))
+    loads = {"left": np.array([[30.0, 0.0]]), "right": np.array([[0.0, 31.0]])}
+    profiles = {
+        (name, "x"): CycleProfile(load, zeros, zeros, np.where(load[0] > 0, 2.0, 16.0), *rates)
+        for name, load in loads.items()
+    }
+    model = build_pomdp(("left", "right"), ("x",), profiles, np.zeros((1, 2)), one_worker(0.0), 0.95)
+    return relaxed(model), {"kind": "threshold", **others}
+
+
+def test_threshold_changes_when_an_entry_reaches_the_level_and_not_before_it_recovers() -> None:
+    """Against the cycle maps, followed by hand for two entries of which each action tires one."""
+    belief, settings = two_loads(fatigue_threshold=0.5, recovery_threshold=0.3)
+    gain, offset = (table[:, :2] for table in belief.model.arrays[:2])
+    fatigue, tired, action, expected = np.zeros(2), np.zeros(2, bool), 0, []
+    for _ in range(30):
+        new = (fatigue >= 0.5) & ~tired
+        tired = (tired & (fatigue > 0.3)) | new
+        if new.any():
+            after = [((gain[a] * fatigue + offset[a])[tired] ** 2).sum() for a in range(2)]
+            action = int(np.argmin(after))
+        expected.append(("left", "right")[action])
+        fatigue = gain[action] * fatigue + offset[action]
+    assert actions_of(policy(settings).build(), belief, 30) == expected
+    assert expected[:2] == ["left", "left"] and {"left", "right"} == set(expected)
+    assert sum(a != b for a, b in pairwise(expected)) > 3
+
+
+def test_threshold_never_changes_where_nobody_gets_so_tired() -> None:
+    belief, settings = two_loads(fatigue_threshold=0.99)
+    assert actions_of(policy(settings).build(), belief, 20) == ["left"] * 20
+
+
+def test_names_of_actions_are_checked_by_the_policy_too() -> None:
+    belief = random_task(2, 0.0, seed=1)
+    for settings in ({"kind": "fixed", "action": "b"}, {"kind": "periodic", "sequence": ("a0", "b")}):
+        with pytest.raises(SelectionError, match="b: not among the actions a0, a1"):
+            policy(settings).build().act(belief, np.random.default_rng(0))
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.2}, "must be below the fatigue_thr"),
+        ({"kind": "threshold"}, "fatigue_threshold"),
+        ({"kind": "periodic", "sequence": ("a",), "longest": 3}, "leave it out, or the sequence"),
+        ({"kind": "periodic", "sequence": ()}, "at least 1"),
+        ({"kind": "periodic", "longest": 9}, "less than or equal to 8"),
+    ],
+)
+def test_impossible_settings_are_refused(settings: dict[str, object], message: str) -> None:
+    with pytest.raises(SelectionError, match=message):
+        policy(settings)
