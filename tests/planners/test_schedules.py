@@ -169,12 +169,14 @@ def test_the_shortest_of_equal_schedules_is_taken() -> None:
 
 
 def test_one_schedule_for_several_workers_has_the_least_mean_cost() -> None:
-    first, second = random_task(3, 0.0, seed=2), random_task(3, math.inf, seed=8)
-    together = MeanCost([schedule_cost(first), schedule_cost(second)])
+    first, second = random_task(3, 0.0, seed=2), random_task(4, math.inf, seed=8)
+    numbers = np.arange(3), np.array([3, 1, 2])  # the second knows the common actions by other numbers
+    together = MeanCost([(schedule_cost(first), numbers[0]), (schedule_cost(second), numbers[1])])
     found = best_schedule(together, 3, longest=4)
 
     def mean(plan: Plan) -> float:
-        return float(costs(first, [plan])[0] + costs(second, [plan])[0]) / 2
+        own = tuple(int(numbers[1][a]) for a in plan)
+        return float(costs(first, [plan])[0] + costs(second, [own])[0]) / 2
 
     assert found.cost == pytest.approx(brute_force(mean, 3, 4), rel=1e-12)
 

@@ -2,6 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,18 +108,21 @@ class Simulated(ScheduleCost):
 
 
 class MeanCost(ScheduleCost):
-    """One schedule for several workers: the mean of what it costs each."""
+    """One schedule for several workers: the mean of what it costs each.
 
-    def __init__(self, workers: list[ScheduleCost]) -> None:
+    workers: what schedules cost each, and the numbers (A,) that the common actions have in his problem.
+    """
+
+    def __init__(self, workers: Sequence[tuple[ScheduleCost, Schedules]]) -> None:
         self._workers = workers
 
     def costs(self, schedules: Schedules) -> Vector:
         """See ScheduleCost.costs."""
-        return np.asarray(np.mean([worker.costs(schedules) for worker in self._workers], axis=0))
+        return np.asarray(np.mean([cost.costs(numbers[schedules]) for cost, numbers in self._workers], axis=0))
 
     def few(self) -> ScheduleCost:
         """See ScheduleCost.few."""
-        return MeanCost([worker.few() for worker in self._workers])
+        return MeanCost([(cost.few(), numbers) for cost, numbers in self._workers])
 
 
 def add_costs(
