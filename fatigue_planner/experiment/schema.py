@@ -38,7 +38,7 @@ MAX_CELLS = 100_000
 RESERVED = (
     "trials", "actions", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest",
     "summary", "regret", "bounds", "contrasts", "estimates", "fatigue", "cycle_maps", "actions_taken", "claims",
-    "report",
+    "report", "worth", "schedule",
 )  # fmt: skip
 
 
