@@ -19,6 +19,11 @@ Array = NDArray[np.float64]
 # The longest plans, in cycles; those of more than one cycle only where there are at most MAX_PLANS of that length.
 MAX_PLAN_LENGTH = 6
 MAX_PLANS = 1000
+# Where there are too many actions for that: so many of the best longer plans of a rested worker, found by extending the
+# best of every length by every action, about MAX_EXTENDED of a length; each from every starting point.
+PROMISING_PLANS, MAX_EXTENDED = 16, 10_000
+# By so many of the possible workers they are judged.
+JUDGES = 4
 
 
 class PlanValues(NamedTuple):
@@ -35,12 +40,14 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     for length in range(1, MAX_PLAN_LENGTH + 1):
         if length > 1 and actions**length > MAX_PLANS:
             break
-        plans += [
-            plan
-            for plan in itertools.product(range(actions), repeat=length)
-            if not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
-        ]
+        plans += [plan for plan in itertools.product(range(actions), repeat=length) if repeats_no_shorter(plan)]
     return plans
+
+
+def repeats_no_shorter(plan: tuple[int, ...]) -> bool:
+    """Whether a plan is not a shorter one several times."""
+    length = len(plan)
+    return not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
 
 
 def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> PlanValues:
@@ -50,14 +57,43 @@ def plan_values(gain: Array, offset: Array, discount: float, entries: int) -> Pl
     """
     if discount >= 1:
         raise ExperimentError("leaf value bound: endless plans have no value without a discount below 1.")
-    plans = cyclic_plans(gain.shape[1])
-    moments = mean_maps(gain, offset)
+    plans, moments = cyclic_plans(gain.shape[1]), mean_maps(gain, offset)
+    if len(plans) == gain.shape[1] > 1:  # too many actions to list longer plans
+        plans += _promising_plans(moments, discount, entries)
     found = [
         values_of_plans(moments, discount, entries, np.array([plan for plan in plans if len(plan) == length]))
         for length in sorted({len(plan) for plan in plans})
     ]
     values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
     return _undominated(values) if len(gain) == 1 else values
+
+
+def most_plans(actions: int) -> int:
+    """No more plans than this are considered."""
+    listed = len(cyclic_plans(actions))
+    return listed + (PROMISING_PLANS * MAX_PLAN_LENGTH if listed == actions > 1 else 0)
+
+
+def _promising_plans(moments: "MeanMaps", discount: float, entries: int) -> list[tuple[int, ...]]:
+    """The best plans of several actions for a rested worker, by beam search, from every starting point."""
+    workers, actions = moments.g.shape[:2]
+    judges = np.unique(np.linspace(0, workers - 1, JUDGES).astype(np.intp))
+    few = MeanMaps(*(table[judges] for table in moments))
+    beam, best = np.arange(actions)[:, None], dict[tuple[int, ...], float]()
+    width = max(MAX_EXTENDED // actions, 1)
+    for _ in range(1, MAX_PLAN_LENGTH):
+        kept = beam[np.argsort(-_rested_values(few, discount, entries, beam), kind="stable")[:width]]
+        beam = np.column_stack([np.repeat(kept, actions, axis=0), np.tile(np.arange(actions), len(kept))])
+        values = _rested_values(few, discount, entries, beam)
+        order = np.argsort(-values, kind="stable")[: 4 * PROMISING_PLANS]
+        best |= {tuple(beam[index].tolist()): float(values[index]) for index in order}
+    own = [plan for plan in sorted(best, key=lambda plan: -best[plan]) if repeats_no_shorter(plan)]
+    turned = [plan[i:] + plan[:i] for plan in own[:PROMISING_PLANS] for i in range(len(plan))]
+    return list(dict.fromkeys(turned))
+
+
+def _rested_values(moments: "MeanMaps", discount: float, entries: int, plans: NDArray[np.intp]) -> Vector:
+    return np.asarray(values_of_plans(moments, discount, entries, plans).constant.mean(axis=0))
 
 
 class MeanMaps(NamedTuple):

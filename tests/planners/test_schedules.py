@@ -18,6 +18,7 @@ from fatigue_planner.planners.schedules.policy import best_schedule_for
 from fatigue_planner.planners.schedules.search import MAX_LISTED, best_schedule
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.cyclic_plans import best_plan_value, most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 
 Plan = tuple[int, ...]
@@ -160,6 +161,18 @@ def test_nothing_is_lost_beyond_32_actions(expertise: float) -> None:
     assert found.cost <= costs(belief, pairs).min() * (1 + 1e-12)
     assert found.cost == pytest.approx(costs(belief, [found.actions])[0], rel=1e-12)
     assert len(found.actions) > 1
+
+
+def test_leaf_values_know_good_schedules_of_more_than_31_actions() -> None:
+    """For a rested worker no pair beats the best cyclic plan, whose value is within 1 % of the best schedule's."""
+    belief = random_task(36, 0.0, seed=7)
+    values = belief.model.bound_arrays
+    found = -best_plan_value(values, belief.states[0])
+    pairs = costs(belief, [(a, b) for a, b in product(range(36), repeat=2) if a != b])
+    best = best_schedule(schedule_cost(belief), 36).cost
+    assert best <= found * (1 + 1e-12) and found <= min(pairs.min(), 1.01 * best)
+    assert found < costs(belief, [(a,) for a in range(36)]).min() * 0.99
+    assert values.constant.shape[1] <= most_plans(36)
 
 
 def test_the_shortest_of_equal_schedules_is_taken() -> None:

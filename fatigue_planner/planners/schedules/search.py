@@ -8,6 +8,7 @@ import numpy as np
 
 from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.planners.schedules.cost import ScheduleCost, Schedules
+from fatigue_planner.pomdp.cyclic_plans import repeats_no_shorter
 
 # The longest schedule: more lines than these nobody keeps in mind.
 LONGEST = 8
@@ -59,13 +60,10 @@ def _listed(n_actions: int, longest: int) -> tuple[dict[int, list[Plan]], bool]:
     for length in range(1, longest + 1):
         if length > 1 and n_actions**length > MAX_LISTED:
             return found, False
-        found[length] = [plan for plan in itertools.product(range(n_actions), repeat=length) if _shortest(plan)]
+        found[length] = [
+            plan for plan in itertools.product(range(n_actions), repeat=length) if repeats_no_shorter(plan)
+        ]
     return found, True
-
-
-def _shortest(plan: Plan) -> bool:
-    length = len(plan)
-    return not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
 
 
 def _judge(cost: ScheduleCost, plans: Iterable[Plan], judged: dict[Plan, float], everything: bool = False) -> None:
@@ -124,7 +122,7 @@ def _neighbours(plan: Plan, n_actions: int, longest: int) -> dict[int, list[Plan
     found.discard(plan)
     by_length: dict[int, list[Plan]] = {}
     for neighbour in sorted(found):
-        if _shortest(neighbour):
+        if repeats_no_shorter(neighbour):
             by_length.setdefault(len(neighbour), []).append(neighbour)
     return by_length
 

@@ -1,9 +1,12 @@
 """What planning is worth over what is done without it: first sentences of the report, and a table."""
 
+from collections.abc import Sequence
+
 import pandas as pd
+from matplotlib.figure import Figure
 
 from fatigue_planner.core.text import format_label, listing
-from fatigue_planner.output.figures.style import FigureFolder
+from fatigue_planner.output.figures.style import FigureFolder, house_style, look, new_figure
 from fatigue_planner.output.reports.html.blocks import Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.worth import ALTERNATIVES, PlanningWorth, Role, planning_worth, roles_of
@@ -45,7 +48,7 @@ def _named(worth: PlanningWorth, role: Role) -> str:
 
 
 def worth_section(report_data: ReportData, figures: FigureFolder) -> Section | None:
-    """The same for every number of cycles; none where no policy plans, or all do."""
+    """The same for every number of cycles, and a figure of the longest; none where no policy plans, or all do."""
     found = planning_worth(report_data.experiment, report_data.results.trials)
     if not found:
         return None
@@ -58,7 +61,6 @@ def worth_section(report_data: ReportData, figures: FigureFolder) -> Section | N
         for worth in found
     ]  # fmt: skip
     data = pd.DataFrame([vars(saving) for worth in found for saving in worth.savings.values()])
-    file = figures.add_table("worth", data)
     level = 1 - report_data.experiment.statistics.significance_level
     caption = (
         "What the best policy that plans saves of the cost of the best one that does not: the same runs, paired by "
@@ -69,4 +71,33 @@ def worth_section(report_data: ReportData, figures: FigureFolder) -> Section | N
         "The best of several policies of a kind is chosen by the same runs, which flatters whichever side has more. A "
         "schedule is repeated whatever happens: what planning saves over the best is what closing the loop is worth."
     )
-    return Section("What planning is worth", [Table(caption, header, rows, file), Text(note)])
+    longest = [worth for worth in found if worth.n_cycles == report_data.longest]
+    picture = figures.add("worth", worth_figure(longest), data, caption, " ".join(map(_sentence, longest)))
+    return Section("What planning is worth", [picture, Table("The same in numbers.", header, rows), Text(note)])
+
+
+@house_style()
+def worth_figure(found: Sequence[PlanningWorth]) -> Figure:
+    """By condition, what planning saves over every alternative, with intervals."""
+    figure = new_figure(6.8, 1.2 + 0.75 * len(found))
+    axes = figure.subplots()
+    roles = [role for role in ALTERNATIVES if any(role in worth.savings for worth in found)]
+    for number, role in enumerate(roles):
+        there = [(row, worth.savings[role]) for row, worth in enumerate(found) if role in worth.savings]
+        places = [row + 0.16 * (number - (len(roles) - 1) / 2) for row, _ in there]
+        shares = [100 * saving.share for _, saving in there]
+        ends = [
+            [100 * max(saving.share - saving.low, 0) if saving.low < saving.high else 0 for _, saving in there],
+            [100 * max(saving.high - saving.share, 0) if saving.low < saving.high else 0 for _, saving in there],
+        ]
+        marker, colour = look(number)
+        label = f"over {role}" + (" (closing the loop)" if role == Role.SCHEDULE else "")
+        axes.errorbar(shares, places, xerr=ends, fmt=marker, color=colour, markersize=4.5, capsize=2, label=label)
+    axes.axvline(0, color="0.6", linewidth=0.8)
+    axes.set_yticks(range(len(found)), [format_label(worth.condition) for worth in found])
+    axes.set_ylim(len(found) - 0.5, -0.5)
+    axes.set_xlabel(f"saved by planning, % of the cost over {found[0].n_cycles} cycles")
+    axes.grid(axis="x", color="0.9")
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside upper center", ncols=2, frameon=False)
+    return figure
