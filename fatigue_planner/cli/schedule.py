@@ -135,7 +135,7 @@ def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, f
                     (BEST_FIXED, f"always {worth.best_fixed}, the best fixed action"),
                     (ERGONOMIC, "the action that is most ergonomic in one cycle, for ever"),
                     (GREEDY, "greedy"),
-                    (PLANNING, "exact planning in every cycle: that much is closing the loop worth"),
+                    (PLANNING, "exact planning in every cycle (what closing the loop is worth)"),
                 )
             ),
         ]
@@ -146,7 +146,7 @@ def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, f
         if loss > 0:
             lines.append(f"  costs {percent(loss)} more than this worker's own best schedule, {', '.join(own)}")
         spared = _spared_joints(worth)
-        lines.append(f"  spares {listing(spared)}" if spared else "  spares no joint")
+        lines.append(f"  spares (highest fatigue) {listing(spared)}" if spared else "  spares no joint")
         lines.append("  costs more than the best schedule for a worker who is not as assumed, but who")
         worst = sorted(worth.misjudged.items(), key=lambda item: -item[1])
         lines += [f"    {name}: {percent(share)}" for name, share in worst]
@@ -166,8 +166,7 @@ def _spared_joints(worth: "Worth") -> list[str]:
 
     falls = [(entry, fixed, own) for entry, (fixed, own) in worth.spared.items() if own < fixed]
     return [
-        f"{format_label(entry)} ({percent(fixed, 0)} → {percent(own, 0)} at its most tired)"
-        for entry, fixed, own in falls[:NAMED_JOINTS]
+        f"{format_label(entry)} ({percent(fixed, 0)} → {percent(own, 0)})" for entry, fixed, own in falls[:NAMED_JOINTS]
     ]
 
 
@@ -207,13 +206,17 @@ def _draw_card(
     ]
     for worth in found[:NAMED_CONDITIONS]:
         saved, more = worth.savings[BEST_FIXED], worth.savings[PLANNING].turned()
+        planned = f"{percent(more.share, 1)} more than with a robot that plans"
+        if more.share <= 0 or more.low < 0:
+            planned = "as much as with a robot that plans, within chance"
         line = (
             f"{format_label(worth.condition).capitalize()}: {percent(saved.share, 0)} less fatigue (cost of {n_cycles} "
-            f"cycles) than always {format_label(worth.best_fixed)}, {percent(more.share, 1)} more than with a robot "
-            "that plans"
+            f"cycles) than always {format_label(worth.best_fixed)}; {planned}"
         )
         spared = _spared_joints(worth)
-        notes.append(f"{line}. Spares {listing(spared)}." if spared and len(found) == 1 else f"{line}.")
+        notes.append(
+            f"{line}. Spares (highest fatigue) {listing(spared)}." if spared and len(found) == 1 else f"{line}."
+        )
     if len(found) > NAMED_CONDITIONS:
         notes.append(f"And {counted(len(found) - NAMED_CONDITIONS, 'other condition')}.")
     figures = FigureFolder(folder)
