@@ -114,14 +114,11 @@ def _experiment() -> Content:
         },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
         "fixed": {"kind": "fixed", "action": "low"},
-        "periodic": {"kind": "periodic", "sequence": ["high", "low"]},
-        "robust": {
-            "kind": "robust_periodic", "longest": 2,
-            "workers": {
-                "fatigue_rate_factor": {"kind": "choice", "values": [1, 2], "probabilities": [0.5, 0.5]},
-                "recovery_rate_factor": {"kind": "lognormal", "median": 1, "sigma": 0.5},
-                "expertise": {"kind": "uniform", "from": 0, "to": 5000},
-            },
+        "given": {"kind": "periodic", "sequence": ["high", "low"]},
+        "periodic": {"kind": "periodic", "longest": 2},
+        **{
+            f"robust_{turn}": {"kind": "robust_periodic", "longest": 2, "workers": workers}
+            for turn, workers in enumerate(content["hidden_workers"].values())
         },
         "threshold": {"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.1},
     }  # fmt: skip
@@ -268,6 +265,7 @@ def _others(leaf: Leaf) -> Iterator[Content]:
         yield from ({above: [choice]} for choice in leaf.choices)
         yield from ({path: other.value} for other in LEAVES if other.name == leaf.name)
         yield from ({path: name} for part in ("conditions", "policies") for name in EXPERIMENT["benchmark"][part])
+        yield from ({path: name} for name in EXPERIMENT["actions"])
     elif isinstance(value, int):
         yield {path: value + 1}
         yield {path: value + 1, ("statistics", "families", "search", "n_cycles"): [value + 1]}
