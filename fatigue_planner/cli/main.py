@@ -15,6 +15,7 @@ from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
 from fatigue_planner.cli.report import report
+from fatigue_planner.cli.schedule import schedule
 from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.validate import schema, validate
@@ -29,7 +30,10 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (init, simulate, benchmark, claims, report, compare, sensitivity, view, validate, schema, doctor):
+COMMANDS = (
+    init, simulate, benchmark, schedule, claims, report, compare, sensitivity, view, validate, schema, doctor,
+)  # fmt: skip
+for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
 for group in (human.app, cache.app):
     app.add_typer(group, epilog=options.EXIT_CODES)

@@ -41,7 +41,7 @@ MAX_CELLS = 100_000
 RESERVED = (
     "trials", "actions", "comparison", "planning_times", "reactions", "courses", "places", "torques", "manifest",
     "summary", "regret", "bounds", "contrasts", "estimates", "fatigue", "cycle_maps", "actions_taken", "claims",
-    "report",
+    "report", "worth", "schedule",
 )  # fmt: skip
 
 
@@ -158,8 +158,8 @@ class Experiment(Settings):
         """What one part says of another; all faults at once, one per line."""
         faults = [
             *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
-            *self._family_faults(), *self._figure_faults(), *self._leaf_value_faults(), *self._recognition_faults(),
-            *self._belief_faults(),
+            *self._named_action_faults(), *self._endless_faults(), *self._family_faults(), *self._figure_faults(),
+            *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(),
         ]  # fmt: skip
         if faults:
             raise ValueError("\n".join(faults))
@@ -215,6 +215,21 @@ class Experiment(Settings):
                 key = f"benchmark.policies.{name}.descents"
                 yield f"{key} = {policy.descents}: {too_few_descents(len(self.actions))}"
 
+    def _named_action_faults(self) -> Iterator[str]:
+        for name, policy in self.benchmark.policies.items():
+            for key, actions in policy.actions_named().items():
+                if unknown := [action for action in dict.fromkeys(actions) if action not in self.actions]:
+                    known = listed(self.actions)
+                    yield f"benchmark.policies.{name}.{key}: {listed(unknown)}: not among the actions {known}"
+
+    def _endless_faults(self) -> Iterator[str]:
+        for name, policy in self.benchmark.policies.items():
+            if policy.plans_endlessly() and self.discount == 1:
+                yield (
+                    f"benchmark.policies.{name}: the best schedule is that of a task without end, which needs a "
+                    "discount below 1; give a sequence"
+                )
+
     def _family_faults(self) -> Iterator[str]:
         grid = self.benchmark
         known: dict[str, Collection[object]] = {
@@ -247,8 +262,6 @@ class Experiment(Settings):
                 yield f"benchmark.{name}.leaf_value: bound {not_quadratic(self.cost.fatigue)}; or use none"
             if getattr(planner, "leaf_value", "none") == "bound" and self.discount == 1:
                 yield f"benchmark.{name}.leaf_value: bound needs a discount below 1; use none or greedy_rollout"
-            if self.discount == 1 and planner.kind == "cyclic":
-                yield f"benchmark.{name}.kind: cyclic needs a discount below 1"
         certain = all(condition.expertise == math.inf for condition in self.benchmark.conditions.values())
         if reference is not None and reference.leaf_value == "greedy_rollout" and not certain:
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"

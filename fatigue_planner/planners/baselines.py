@@ -1,4 +1,4 @@
-"""Policies that do not search (the first three: paper, section IV-E), and their settings."""
+"""Policies that do not look ahead (paper, section IV-E), and their settings."""
 
 import time
 from typing import Literal
@@ -6,10 +6,8 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan
 
 
 class RandomPolicy(Policy):
@@ -87,40 +85,3 @@ class GreedySettings(PolicySettings):
     def build(self) -> Policy:
         """See PolicySettings.build."""
         return GreedyPolicy()
-
-
-class CyclicPolicy(Policy):
-    """The cyclic plan with the best expected return from the first belief, whatever is observed afterwards.
-
-    The value of a plan takes all reactions for equally likely (see `pomdp.cyclic_plans`): exact for novices.
-    """
-
-    def __init__(self) -> None:
-        self._plan: tuple[int, ...] = ()
-        self._cycle = 0
-
-    def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
-        """See Policy.act. Raises ExperimentError if the problem has no cyclic plans of known value."""
-        begin = time.perf_counter()
-        if not self._plan:
-            values = belief.model.bound_arrays
-            if not isinstance(values, PlanValues):
-                raise ExperimentError("policy cyclic: this problem has no cyclic plans of known value.")
-            self._plan = best_plan(values, belief.states, belief.weights)
-        action = self._plan[self._cycle % len(self._plan)]
-        self._cycle += 1
-        unknown = np.full(len(belief.model.actions), np.nan)
-        return plain_decision(action, unknown, 0, time.perf_counter() - begin, "next of the best cyclic plan", belief)
-
-
-class CyclicSettings(PolicySettings):
-    """The best cyclic plan, chosen once."""
-
-    kind: Literal["cyclic"] = Field(
-        description="The cyclic plan of up to six cycles with the best expected return, chosen once; needs a discount "
-        "below 1."
-    )
-
-    def build(self) -> Policy:
-        """See PolicySettings.build."""
-        return CyclicPolicy()

@@ -19,7 +19,7 @@ from fatigue_planner.planners.pomcp.kernels import (
     lookahead_kernel,
 )
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.cyclic_plans import cyclic_plans
+from fatigue_planner.pomdp.cyclic_plans import most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -113,7 +113,7 @@ def maps_of(settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> 
     actions, outcomes = len(model.actions), len(model.outcomes)
     leaf = {
         "none": 0,
-        "bound": len(cyclic_plans(actions)),
+        "bound": most_plans(actions),
         "random_rollout": settings.rollout_cycles,
         "greedy_rollout": settings.rollout_cycles * (actions + 1) * outcomes,
     }[settings.leaf_value]

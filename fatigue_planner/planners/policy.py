@@ -79,6 +79,14 @@ class PolicySettings(Settings):
         "average worker, taken for the true one (average), or the true parameters (truth).",
     )
 
+    def actions_named(self) -> dict[str, tuple[str, ...]]:
+        """By key of these settings, the actions that it names: the experiment must have them."""
+        return {}
+
+    def plans_endlessly(self) -> bool:
+        """Whether it weighs tasks without end, which have no cost without a discount below 1."""
+        return False
+
     @abstractmethod
     def build(self) -> Policy:
         """A fresh policy for one run."""

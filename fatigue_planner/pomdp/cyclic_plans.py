@@ -19,19 +19,19 @@ Array = NDArray[np.float64]
 # The longest plans, in cycles; those of more than one cycle only where there are at most MAX_PLANS of that length.
 MAX_PLAN_LENGTH = 6
 MAX_PLANS = 1000
+# Where there are too many actions for that: so many of the best longer plans of a rested worker, found by extending the
+# best of every length by every action, about MAX_EXTENDED of a length; each from every starting point.
+PROMISING_PLANS, MAX_EXTENDED = 16, 10_000
+# By so many of the possible workers they are judged.
+JUDGES = 4
 
 
 class PlanValues(NamedTuple):
-    """Plan p of worker m is worth constant[m, p] + sum over entries of (square f^2 + linear f) at [m, p].
-
-    actions (P, MAX_PLAN_LENGTH): those of each plan, repeated up to this length; lengths (P,): of one repetition.
-    """
+    """Plan p of worker m is worth constant[m, p] + sum over entries of (square f^2 + linear f) at [m, p]."""
 
     square: Array
     linear: Array
     constant: Array
-    actions: NDArray[np.int64]
-    lengths: NDArray[np.int64]
 
 
 def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
@@ -40,52 +40,112 @@ def cyclic_plans(actions: int) -> list[tuple[int, ...]]:
     for length in range(1, MAX_PLAN_LENGTH + 1):
         if length > 1 and actions**length > MAX_PLANS:
             break
-        plans += [
-            plan
-            for plan in itertools.product(range(actions), repeat=length)
-            if not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
-        ]
+        plans += [plan for plan in itertools.product(range(actions), repeat=length) if repeats_no_shorter(plan)]
     return plans
 
 
-def plan_values(
-    gain: Array, offset: Array, discount: float, entries: int, weight: Vector, posture_cost: Array
-) -> PlanValues:
+def repeats_no_shorter(plan: tuple[int, ...]) -> bool:
+    """Whether a plan is not a shorter one several times."""
+    length = len(plan)
+    return not any(length % n == 0 and plan == plan[:n] * (length // n) for n in range(1, length))
+
+
+def plan_values(moments: "MeanMaps", discount: float, entries: int) -> PlanValues:
     """The discounted returns of all cyclic plans worth considering, where all reactions are equally likely.
 
-    gain, offset (M, A, U, L): cycle maps; weight (L,), posture_cost (A, U): of the cost. With
-    V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j w_j f_j^2 / 2N + p, before it, with means over the
-    reactions f' = g f + o:
-        A <- mean (gamma A - w / 2N) g^2
-        B <- mean 2 (gamma A - w / 2N) g o + gamma B g
-        C <- sum_j mean (gamma A - w / 2N) o^2 + gamma B o  -  mean p  +  gamma C
-    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
     Raises ExperimentError without a discount below 1.
     """
     if discount >= 1:
         raise ExperimentError("leaf value bound: endless plans have no value without a discount below 1.")
-    plans = cyclic_plans(gain.shape[1])
-    g1, g2, o1, o2, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
-    posture = posture_cost.mean(axis=1)
-    found: list[tuple[Array, Array, Array]] = []
-    actions = np.array([np.resize(plan, MAX_PLAN_LENGTH) for plan in plans])
-    lengths = np.array([len(plan) for plan in plans])
-    for length in sorted({len(plan) for plan in plans}):
-        phases = np.array([plan for plan in plans if len(plan) == length]).T[::-1]  # the last cycle first
-        square = _fixed_point([(discount * g2[:, now], -g2[:, now] * weight / entries) for now in phases])
-        curvature = [discount * after - weight / entries for after in square]
-        linear = _fixed_point(
-            [(discount * g1[:, now], 2 * w * go[:, now]) for now, w in zip(phases, curvature, strict=True)]
-        )
-        added = [
-            (w * o2[:, now] + discount * after * o1[:, now]).sum(axis=-1) - posture[now]
-            for now, w, after in zip(phases, curvature, linear, strict=True)
-        ]
-        constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
-        found.append((square[0], linear[0], constant[0]))
-    joined = [np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)]
-    values = PlanValues(joined[0], joined[1], joined[2], actions, lengths)
-    return _undominated(values) if len(gain) == 1 else values
+    workers, actions = moments.g.shape[:2]
+    plans = cyclic_plans(actions)
+    if len(plans) == actions > 1:  # too many actions to list longer plans
+        plans += _promising_plans(moments, discount, entries)
+    found = [
+        values_of_plans(moments, discount, entries, np.array([plan for plan in plans if len(plan) == length]))
+        for length in sorted({len(plan) for plan in plans})
+    ]
+    values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
+    return _undominated(values) if workers == 1 else values
+
+
+def most_plans(actions: int) -> int:
+    """No more plans than this are considered."""
+    listed = len(cyclic_plans(actions))
+    return listed + (PROMISING_PLANS * MAX_PLAN_LENGTH if listed == actions > 1 else 0)
+
+
+def _promising_plans(moments: "MeanMaps", discount: float, entries: int) -> list[tuple[int, ...]]:
+    """The best plans of several actions for a rested worker, by beam search, from every starting point."""
+    workers, actions = moments.g.shape[:2]
+    judges = np.unique(np.linspace(0, workers - 1, JUDGES).astype(np.intp))
+    few = moments.of_workers(judges)
+    beam, best = np.arange(actions)[:, None], dict[tuple[int, ...], float]()
+    width = max(MAX_EXTENDED // actions, 1)
+    for _ in range(1, MAX_PLAN_LENGTH):
+        kept = beam[np.argsort(-_rested_values(few, discount, entries, beam), kind="stable")[:width]]
+        beam = np.column_stack([np.repeat(kept, actions, axis=0), np.tile(np.arange(actions), len(kept))])
+        values = _rested_values(few, discount, entries, beam)
+        order = np.argsort(-values, kind="stable")[: 4 * PROMISING_PLANS]
+        best |= {tuple(beam[index].tolist()): float(values[index]) for index in order}
+    own = [plan for plan in sorted(best, key=lambda plan: -best[plan]) if repeats_no_shorter(plan)]
+    turned = [plan[i:] + plan[:i] for plan in own[:PROMISING_PLANS] for i in range(len(plan))]
+    return list(dict.fromkeys(turned))
+
+
+def _rested_values(moments: "MeanMaps", discount: float, entries: int, plans: NDArray[np.intp]) -> Vector:
+    return np.asarray(values_of_plans(moments, discount, entries, plans).constant.mean(axis=0))
+
+
+class MeanMaps(NamedTuple):
+    """Means over the reactions of what a cycle, which maps f to g f + o, does and costs.
+
+    g, gg, o, oo, go (M, A, L): of g, g^2, o, o^2 and g o; weight (L,): of each entry in the cost; posture (A,): of what
+    postures add to it.
+    """
+
+    g: Array
+    gg: Array
+    o: Array
+    oo: Array
+    go: Array
+    weight: Vector
+    posture: Vector
+
+    def of_workers(self, chosen: NDArray[np.intp]) -> "MeanMaps":
+        """Those of some of the workers."""
+        g, gg, o, oo, go = (table[chosen] for table in (self.g, self.gg, self.o, self.oo, self.go))
+        return MeanMaps(g, gg, o, oo, go, self.weight, self.posture)
+
+
+def mean_maps(gain: Array, offset: Array, weight: Vector, posture_cost: Array) -> MeanMaps:
+    """The means over equally likely reactions of cycle maps (M, A, U, L) and of what postures cost (A, U)."""
+    g, gg, o, oo, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
+    return MeanMaps(g, gg, o, oo, go, weight, posture_cost.mean(axis=1))
+
+
+def values_of_plans(moments: MeanMaps, discount: float, entries: int, plans: NDArray[np.intp]) -> PlanValues:
+    """The discounted returns of endless cyclic plans (P, length). The discount is below 1.
+
+    With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j w_j f_j^2 / 2N + p, before it, with means
+    over the reactions f' = g f + o:
+        A <- mean (gamma A - w / 2N) g^2
+        B <- mean 2 (gamma A - w / 2N) g o + gamma B g
+        C <- sum_j mean (gamma A - w / 2N) o^2 + gamma B o  -  mean p  +  gamma C
+    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
+    """
+    phases, weight = plans.T[::-1], moments.weight  # the last cycle first
+    square = _fixed_point([(discount * moments.gg[:, now], -moments.gg[:, now] * weight / entries) for now in phases])
+    curvature = [discount * after - weight / entries for after in square]
+    linear = _fixed_point(
+        [(discount * moments.g[:, now], 2 * w * moments.go[:, now]) for now, w in zip(phases, curvature, strict=True)]
+    )
+    added = [
+        (w * moments.oo[:, now] + discount * after * moments.o[:, now]).sum(axis=-1) - moments.posture[now]
+        for now, w, after in zip(phases, curvature, linear, strict=True)
+    ]
+    constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
+    return PlanValues(square[0], linear[0], constant[0])
 
 
 def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:
@@ -116,17 +176,7 @@ def _undominated(values: PlanValues) -> PlanValues:
             dominated = np.maximum(np.maximum(a + b, 0), middle).sum(axis=1) + c <= 0
             dominated[better] = False
             undominated &= ~dominated
-    square, linear, constant = (table[:, undominated] for table in (values.square, values.linear, values.constant))
-    return PlanValues(square, linear, constant, values.actions[undominated], values.lengths[undominated])
-
-
-def best_plan(values: PlanValues, states: Array, weights: Vector) -> tuple[int, ...]:
-    """The actions of the plan with the best expected value for states (n, L), whose last number is the worker."""
-    workers, fatigue = states[:, -1].astype(int), states[:, None, : values.square.shape[2]]
-    square, linear = values.square[workers], values.linear[workers]
-    worth = ((square * fatigue + linear) * fatigue).sum(axis=2) + values.constant[workers]
-    best = int((weights @ worth).argmax())
-    return tuple(values.actions[best, : values.lengths[best]].tolist())
+    return PlanValues(*(table[:, undominated] for table in values))
 
 
 @inlined

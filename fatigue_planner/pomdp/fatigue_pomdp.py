@@ -16,7 +16,7 @@ from fatigue_planner.core.jit import inlined
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.pomdp.boltzmann import lowest, normalise_choice, relative_chance, weigh
 from fatigue_planner.pomdp.cost import CostArrays, FatigueCost, cost_after, cost_moving, mean_square
-from fatigue_planner.pomdp.cyclic_plans import PlanValues, best_plan_value, plan_values
+from fatigue_planner.pomdp.cyclic_plans import MeanMaps, PlanValues, best_plan_value, mean_maps, plan_values
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
 from fatigue_planner.pomdp.simd import LANES, aligned, move
 
@@ -216,10 +216,13 @@ class FatiguePomdp(Pomdp):
     def bound_arrays(self) -> PlanValues:
         """The values of the best cyclic plans of every worker. Raises ExperimentError if the cost is no quadratic."""
         self.cost.check_quadratic("leaf value bound")
+        return plan_values(self.mean_maps(np.arange(len(self.workers.expertise))), self.discount, self.entries)
+
+    def mean_maps(self, workers: NDArray[np.intp]) -> MeanMaps:
+        """The means over equally likely reactions of some workers' cycle maps."""
         shape = (len(self.workers.expertise), len(self.actions), len(self.outcomes), -1)
-        gain, offset = self.arrays.gain.reshape(shape), self.arrays.offset.reshape(shape)
-        weight, posture = self.arrays.cost.weight, self.posture_cost
-        return plan_values(gain, offset, self.discount, self.entries, weight, posture)
+        gain, offset = (table.reshape(shape)[workers] for table in (self.arrays.gain, self.arrays.offset))
+        return mean_maps(gain, offset, self.arrays.cost.weight, self.posture_cost)
 
     @property
     def posture_cost(self) -> Array:

@@ -41,7 +41,7 @@ def test_what_a_package_index_shows(monkeypatch: pytest.MonkeyPatch, url: str) -
     links = re.findall(r"(!?)\[[^\]]*\]\(([^)]*)\)", text)
     assert all(target.startswith("https://") for _, target in links)
     assert [target for picture, target in links if picture] == (
-        [f"{url}docs/images/{name}.png" for name in ("reactions", "figure5a")] if url else []
+        [f"{url}docs/images/{name}.png" for name in ("reactions", "figure5a", "line_worth")] if url else []
     )
 
 

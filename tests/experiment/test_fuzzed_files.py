@@ -25,7 +25,7 @@ MAX_MIB = 100  # that a single file may cost
 EXAMPLES_OF_A_RUN = 500
 EXPERIMENTS = ROOT / "experiments"
 # How a file is read, and those that damaged ones are made from; of ten, seven are experiments, and two are claims.
-EXPERIMENT_NAMES = ["paper", "pose_grid", "co_transport", "workers", "hidden_worker", "planners"]
+EXPERIMENT_NAMES = ["paper", "pose_grid", "co_transport", "workers", "line", "hidden_worker", "planners"]
 KINDS: list[tuple[Callable[[Path], object], list[str]]] = [
     *[(load_experiment, EXPERIMENT_NAMES)] * 7, *[(load_claims, ["paper_claims"])] * 2, (load_study, ["sensitivity"]),
 ]  # fmt: skip

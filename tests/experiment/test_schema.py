@@ -152,6 +152,14 @@ def test_fewer_descents_than_actions_are_refused(paper: Experiment) -> None:
         selected(paper, Selection(None, None, None, None, 1, None))
 
 
+def test_the_best_schedule_needs_a_discount() -> None:
+    for policy in ({"kind": "periodic"}, {"kind": "robust_periodic"}):
+        with pytest.raises(ExperimentError, match=r"policies\.mine: the best schedule is that of a task without end"):
+            smallest(discount=1, benchmark={"policies": {"mine": policy}})
+    names = tuple(smallest().actions)
+    assert smallest(discount=1, benchmark={"policies": {"mine": {"kind": "periodic", "sequence": names}}})
+
+
 def test_a_file_to_begin_with_is_valid_and_never_overwritten(tmp_path: Path) -> None:
     assert fatplan("init", "no", cwd=tmp_path).returncode == 0  # a name that YAML reads as false
     file = tmp_path / "no.yaml"

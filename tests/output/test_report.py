@@ -27,11 +27,14 @@ from fatigue_planner.output.reports.results.compare import compare, compare_page
 from fatigue_planner.output.reports.results.report import SECTIONS, SectionWriter, report, report_section
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.fatigue import fatigue_table
+from fatigue_planner.output.reports.results.sections.findings import findings
 from fatigue_planner.output.reports.results.sections.postures import ArmHold, arm_hold, overhead_sentences
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins
+from fatigue_planner.output.reports.results.sections.worth import worth_section
 from fatigue_planner.output.reports.study.finished import studies_of
+from fatigue_planner.planners.registry import policy
 from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.study.benchmark.results import load_results
 from fatigue_planner.study.benchmark.selection import Selection, selected
@@ -111,6 +114,30 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder])
     for file in files:
         assert (figures.folder / file).stat().st_size > 0, file
     assert {path.name for path in figures.files if path.suffix == ".csv"} <= files
+
+
+def test_the_first_sentences_say_what_planning_is_worth(
+    small: Experiment, reactions: tuple[Reaction, ...], made: tuple[str, FigureFolder], tmp_path: Path
+) -> None:
+    policies = {
+        "low": policy({"kind": "fixed", "action": "low"}),
+        "tired": policy({"kind": "threshold", "fatigue_threshold": 0.1}),
+        "rotation": policy("periodic"),
+        "greedy": policy("greedy"),
+        "ahead": policy({"kind": "lookahead", "depth": 2, "leaf_value": "bound"}),
+    }
+    grid = small.benchmark.model_copy(update={"policies": policies})
+    experiment = small.model_copy(update={"benchmark": grid, "figures": {}})
+    publish(experiment, reactions, tmp_path)
+    data = report_data(experiment, reactions, tmp_path)
+    (first, *_) = findings(data)
+    cost = -pd.read_csv(tmp_path / "trials.csv").groupby(["condition", "policy"])["discounted_return"].mean()
+    share = 1 - cost["single_novice", "ahead"] / cost["single_novice", "low"]
+    assert first.startswith(f"Single novice, 5 cycles: planning (`ahead`) saves {percent(share)} (")
+    assert "of the cost of the best fixed action (`low`)" in first and "closing the loop is worth" in first
+    section = worth_section(data, FigureFolder(tmp_path))
+    assert section is not None and len(pd.read_csv(tmp_path / "worth.csv")) == 3 * 4
+    assert "What planning is worth is not known: the benchmark has no policy of kind" in made[0]
 
 
 @pytest.mark.slow
@@ -271,8 +298,8 @@ def test_folders_with_nothing_in_common_are_told_apart(
     """No table without rows, and no setting as the text of a Python object."""
     (rested, *others) = small.initial_beliefs["multiple"]
     beliefs = {**small.initial_beliefs, "multiple": (rested.model_copy(update={"probability": 0.9}), *others)}
-    for name, policy in (("a", "greedy"), ("b", "alternating")):
-        own = selected(small, Selection(None, ["single_expert"], [policy], None, None, None))
+    for name, chosen in (("a", "greedy"), ("b", "alternating")):
+        own = selected(small, Selection(None, ["single_expert"], [chosen], None, None, None))
         publish(own.model_copy(update={"initial_beliefs": beliefs}) if name == "b" else own, reactions, tmp_path / name)
     found = compare(tmp_path / "a", tmp_path / "b")
     text, page_text = compare_text(found), compare_page(found, FigureFolder(tmp_path), "x")

@@ -4,13 +4,11 @@ from itertools import pairwise, product
 
 import numpy as np
 import pytest
-from small_problems import STARTS, lookahead, relaxed, small_model, table_belief, tiger_with_an_end
+from small_problems import STARTS, lookahead, relaxed, small_model
 
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.planners.baselines import CyclicSettings
 from fatigue_planner.pomdp import cyclic_plans
-from fatigue_planner.pomdp.beliefs.exact import ExactBelief
-from fatigue_planner.pomdp.cyclic_plans import MAX_PLANS, best_plan_value, plan_values
+from fatigue_planner.pomdp.cyclic_plans import MAX_PLANS, best_plan_value, mean_maps, plan_values
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans as all_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 
@@ -61,39 +59,6 @@ def test_leaving_out_dominated_plans_changes_no_value(monkeypatch: pytest.Monkey
         assert best_plan_value(few, state) == best_plan_value(every, state)
 
 
-def test_the_cyclic_policy_follows_the_plan_with_the_best_expected_return() -> None:
-    """For beliefs over several states: of all plans, each evaluated on its own, and whatever is observed."""
-    small, chosen = small_model(0.0), set()
-    gain, offset = np.full((1, 2, 2, small.entries), 0.6), np.zeros((1, 2, 2, small.entries))
-    for action, added in ((0, 0.36), (1, 0.3)):  # each action tires an entry of its own
-        offset[0, action, :, small.active_entries[action]] = added
-    model = small.with_maps(gain, offset, small.workers)
-    starts = np.array([[0.0, 0.0, 0.0], [0.9, 0.0, 0.0], [0.0, 0.9, 0.0]])
-    for weights in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, 0.2, 0.5], [0.0, 0.0, 1.0]):
-        states = np.array([model.state(fatigue) for fatigue in starts])
-        belief = ExactBelief(model, states, np.array(weights))
-        worth = {
-            plan: sum(w * return_of(plan, model, f, 700) for w, f in zip(weights, starts, strict=True))
-            for plan in all_plans(2)
-        }
-        policy, rng = CyclicSettings(kind="cyclic").build(), np.random.default_rng(0)
-        actions = []
-        for _ in range(60):  # a multiple of all lengths
-            actions.append(policy.act(belief, rng).action)
-            belief = belief.update(actions[-1], 0, rng)
-        plan = next(plan for plan in worth if plan * (60 // len(plan)) == tuple(actions))
-        assert worth[plan] == pytest.approx(max(worth.values()), rel=1e-12)
-        chosen.add(plan)
-    assert len(chosen) > 1 and all(len(plan) > 1 for plan in chosen)
-
-
-def test_the_cyclic_policy_is_refused_where_plans_have_no_known_value() -> None:
-    problem = tiger_with_an_end(3)
-    belief = table_belief(problem, [0.5, 0.5])
-    with pytest.raises(ExperimentError, match="policy cyclic: this problem has no cyclic plans"):
-        CyclicSettings(kind="cyclic").build().act(belief, np.random.default_rng(0))
-
-
 def test_every_worker_has_his_own_plans() -> None:
     workers = Workers(np.array([1.0, 2.0]), np.array([1.0, 0.5]), np.zeros(2))
     both = small_model(0.0).for_workers(workers)
@@ -115,4 +80,4 @@ def test_lookahead_over_plans_rises_with_its_depth_and_stays_below_the_optimum()
 def test_undiscounted_plans_have_no_value() -> None:
     gain = np.full((1, 1, 1, 8), 0.5)
     with pytest.raises(ExperimentError, match="discount below 1"):
-        plan_values(gain, gain, 1.0, 8, np.ones(8), np.zeros((1, 1)))
+        plan_values(mean_maps(gain, gain, np.ones(8), np.zeros((1, 1))), 1.0, 8)

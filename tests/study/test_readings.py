@@ -35,10 +35,10 @@ STUDY: dict[str, Any] = {
     "base": str(PAPER),
     "grid": {
         "conditions": ["single_novice"], "n_cycles": [5], "policies": ["alternating", "greedy"], "trials": 3,
-        "further_policies": {"planning": {"kind": "lookahead", "depth": 2}, "cyclic": {"kind": "cyclic"}},
+        "further_policies": {"planning": {"kind": "lookahead", "depth": 2}, "periodic": {"kind": "periodic"}},
     },
     "planners": ["planning"],
-    "baselines": ["greedy", "alternating", "cyclic"],
+    "baselines": ["greedy", "alternating", "periodic"],
     "headline": {"planner": "planning", "condition": "single_novice", "n_cycles": 5},
     "factors": {
         "reading": {
@@ -123,9 +123,9 @@ def synthetic() -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
         [
             (point, "single_novice", 5, "planning", baseline, gain, verdict)
             for point, own in {
-                "base": {"greedy": (0.02, "better"), "alternating": (0.1, "better"), "cyclic": (0.0, "undecided")},
+                "base": {"greedy": (0.02, "better"), "alternating": (0.1, "better"), "periodic": (0.0, "undecided")},
                 "reading=hasty": {
-                    "greedy": (0.01, "better"), "alternating": (0.0, "undecided"), "cyclic": (-0.01, "worse"),
+                    "greedy": (0.01, "better"), "alternating": (0.0, "undecided"), "periodic": (-0.01, "worse"),
                 },
             }.items()
             for baseline, (gain, verdict) in own.items()
@@ -157,7 +157,7 @@ def test_what_holds_under_all_some_and_no_readings() -> None:
     gains, verdicts, shares = synthetic()
     agreed = agreement(study, gains, verdicts)
     assert dict(zip(agreed["statement"], agreed["held"], strict=True)) == {
-        "planning better than greedy": 2, "planning better than alternating": 1, "planning better than cyclic": 0,
+        "planning better than greedy": 2, "planning better than alternating": 1, "planning better than periodic": 0,
         "a_b": 2, "c": 1, "d": 0,
     }  # fmt: skip
     assert set(agreed["points"]) == {2}
@@ -165,9 +165,9 @@ def test_what_holds_under_all_some_and_no_readings() -> None:
     assert agreement_sentences(study, agreed, gains, shares, names) == [
         "Under all 2 readings: planning better than greedy, a b (1 of the paper's claims).",
         "Under some: planning better than alternating (1), c (1) (1 of the paper's claims).",
-        "Under none: planning better than cyclic, d (1 of the paper's claims).",
+        "Under none: planning better than periodic, d (1 of the paper's claims).",
         "planning costs less (single novice, 5 cycles) than greedy by 1 % (hasty) to 2 % (own), 1.5 % in the median, "
-        "alternating by 0 % (hasty) to 10 % (own), 5 % in the median and cyclic by −1 % (hasty) to 0 % (own), −0.5 % "
+        "alternating by 0 % (hasty) to 10 % (own), 5 % in the median and periodic by −1 % (hasty) to 0 % (own), −0.5 % "
         "in the median.",
         "Of greedy's cost (single novice, 5 cycles), the right wrist makes up 50 % (hasty) to 75 % (own) and the back "
         "makes up 25 % (own) to 50 % (hasty).",

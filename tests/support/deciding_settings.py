@@ -127,7 +127,14 @@ def _experiment() -> Content:
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
         },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
-        "cyclic": {"kind": "cyclic"},
+        "fixed": {"kind": "fixed", "action": "low"},
+        "given": {"kind": "periodic", "sequence": ["high", "low"]},
+        "periodic": {"kind": "periodic", "longest": 2},
+        **{
+            f"robust_{turn}": {"kind": "robust_periodic", "longest": 2, "workers": workers}
+            for turn, workers in enumerate(content["hidden_workers"].values())
+        },
+        "threshold": {"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.1},
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}
@@ -292,6 +299,7 @@ def _others(leaf: Leaf) -> Iterator[Content]:
         yield from ({above: [choice]} for choice in leaf.choices)
         yield from ({path: other.value} for other in LEAVES if other.name == leaf.name)
         yield from ({path: name} for part in ("conditions", "policies") for name in EXPERIMENT["benchmark"][part])
+        yield from ({path: name} for name in EXPERIMENT["actions"])
     elif isinstance(value, int):
         yield {path: value + 1}
         yield {path: value + 1, ("statistics", "families", "search", "n_cycles"): [value + 1]}

@@ -19,7 +19,7 @@ ROOMS = [
 INNER_ROOMS = {
     "study": ["statistics", "benchmark", "claims", "sensitivity"],
     "output": ["viewer", "figures", "reports"],
-    "planners": ["pomcp", "bounds"],
+    "planners": ["schedules", "pomcp", "bounds"],
 }
 MAX_ROOMS, MAX_FLOORS = 12, 10
 

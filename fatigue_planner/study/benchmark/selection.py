@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.errors import ExperimentError, SelectionError, listed
 from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.experiment.build import scenario
 from fatigue_planner.experiment.schema import Experiment, too_few_descents
@@ -100,10 +100,15 @@ def _with_descents(policy: PolicySettings, descents: int | None, n_actions: int)
 
 
 def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
-    """The cells of the experiment's grid. Raises ExperimentError for a lookahead that could never be waited for."""
+    """The cells of the experiment's grid.
+
+    Raises ExperimentError for a lookahead that could never be waited for, and for a policy that names an action which
+    a condition's worker cannot perform.
+    """
     grid = experiment.benchmark
     scenarios = {name: scenario(experiment, profiles, condition) for name, condition in grid.conditions.items()}
     for name, policy in grid.policies.items():
+        _check_actions(name, policy, scenarios)
         if isinstance(policy, LookaheadSettings):
             for scenario_of in scenarios.values():
                 check_effort(f"benchmark.policies.{name}", policy, _initial_belief(scenario_of))
@@ -113,6 +118,16 @@ def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile])
         for n_cycles in grid.n_cycles
         for policy, settings in grid.policies.items()
     ]
+
+
+def _check_actions(name: str, policy: PolicySettings, scenarios: Mapping[str, Scenario]) -> None:
+    for key, actions in policy.actions_named().items():
+        for condition, scenario_of in scenarios.items():
+            if missing := [action for action in dict.fromkeys(actions) if action not in scenario_of.model.actions]:
+                raise ExperimentError(
+                    f"benchmark.policies.{name}.{key}: {listed(missing)}: the worker of {condition} cannot perform it; "
+                    f"choose among {listed(scenario_of.model.actions)}, or leave the condition out (--conditions)."
+                )
 
 
 def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, ReferenceSettings]:

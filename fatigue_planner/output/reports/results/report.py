@@ -18,6 +18,7 @@ from fatigue_planner.output.reports.results.sections.reactions import reactions_
 from fatigue_planner.output.reports.results.sections.returns import returns_section
 from fatigue_planner.output.reports.results.sections.sensitivity import readings_section, sensitivity_section
 from fatigue_planner.output.reports.results.sections.settings import settings_section
+from fatigue_planner.output.reports.results.sections.worth import worth_section
 
 
 class SectionWriter(Protocol):
@@ -32,6 +33,7 @@ class SectionWriter(Protocol):
 
 # The sections by name, in the order of the page.
 SECTIONS: dict[str, SectionWriter] = {
+    "worth": worth_section,
     "returns": returns_section,
     "losses": losses_section,
     "fatigue": fatigue_section,

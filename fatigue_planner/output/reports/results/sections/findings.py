@@ -9,6 +9,7 @@ from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.claims import claims_sentence
 from fatigue_planner.output.reports.results.sections.losses import headroom
 from fatigue_planner.output.reports.results.sections.postures import arm_hold, overhead_sentences
+from fatigue_planner.output.reports.results.sections.worth import worth_sentences
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.pairing import cells_of, records
 
@@ -17,6 +18,7 @@ def findings(report_data: ReportData) -> list[str]:
     """A few sentences, each from the tables."""
     grid, trials = report_data.experiment.benchmark, report_data.results.trials
     items = [
+        *worth_sentences(report_data),
         f"{counted(len(grid.policies), 'policy', 'policies')} in {counted(len(grid.conditions), 'condition')} over "
         f"{listing([str(n) for n in grid.n_cycles])} cycles: {counted(len(trials), 'run')}, seed {grid.seed}.",
         *overhead_sentences(report_data, {reaction.name: arm_hold(reaction) for reaction in report_data.reactions}),
