@@ -141,9 +141,11 @@ def _experiment() -> Content:
     content["statistics"]["families"]["search"] = {
         "policies": ["greedy"], "against": ["random"], "conditions": ["single_novice"], "n_cycles": [5],
     }  # fmt: skip
-    for task in (task for preference in content["preferences"].values() for task in preference["tasks"]):
-        task.setdefault("during", PHASES)
-        task.setdefault("stiffness_per_s2", 20.0)
+    for name, preference in content["preferences"].items():
+        for task in preference["tasks"]:
+            task.setdefault("during", PHASES)
+            if name != "back":  # whose task has the controller's
+                task.setdefault("stiffness_per_s2", 20.0)
     return _listed(content)  # nothing of it is shared
 
 
