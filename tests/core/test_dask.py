@@ -1,11 +1,14 @@
 """Many machines: a Dask cluster gives the same bytes, whatever becomes of its workers."""
 
+import gc
 import random
 import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -189,6 +192,33 @@ def test_with_tls_only_who_has_the_key_gets_in(tmp_path: Path) -> None:
                 list(DaskCluster(it.address).run(square, [1]))
         with dask_library.config.set(brief), pytest.raises(ClusterError, match="cannot be reached"):
             list(DaskCluster(it.address.replace("tls", "tcp")).run(square, [1]))
+
+
+def test_a_client_that_could_not_connect_is_no_obstacle_to_the_next(
+    two: Cluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is garbage, and Python may collect it at the worst moment: while the next one holds Dask's lock."""
+    import dask as dask_library
+    from distributed.utils import LoopRunner
+
+    start = LoopRunner._start_unlocked
+
+    def collect_and_start(self: LoopRunner) -> None:
+        gc.collect()
+        start(self)
+
+    gc.disable()
+    try:
+        with dask_library.config.set({"distributed.comm.timeouts.connect": "1s"}), suppress(ClusterError):
+            list(DaskCluster("tls://127.0.0.1:9").run(square, [1]))
+        monkeypatch.setattr(LoopRunner, "_start_unlocked", collect_and_start)
+        done: list[object] = []
+        work = threading.Thread(target=lambda: done.extend(DaskCluster(two.address).run(square, [3])), daemon=True)
+        work.start()
+        work.join(30)
+        assert done == [(0, 9)]
+    finally:
+        gc.enable()
 
 
 @pytest.mark.slow

@@ -178,6 +178,7 @@ def test_a_file_to_begin_with_can_be_simulated(tmp_path: Path) -> None:
     assert done.returncode == 0 and "4 simulated" in done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_which_human_moves_is_said_where_the_file_does_not(tmp_path: Path) -> None:
     brisk = "cycle: {reach_s: 0.1, work_s: 0.1, return_s: 0.1}\n"  # too fast for anybody, and over at once
     said = {}

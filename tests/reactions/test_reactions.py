@@ -123,6 +123,7 @@ def test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again(
     assert [outcome.verdict for outcome in outcomes] == ["failed", "implausible"]
 
 
+@pytest.mark.slow
 def test_a_reaction_that_cannot_be_performed_is_kept_with_its_reason(brief: Experiment, tmp_path: Path) -> None:
     weak = brief.model_copy(update={"controller": brief.controller.model_copy(update={"torque_limit_factor": 0.02})})
     cache, first = complete(weak, tmp_path / "a")

@@ -38,6 +38,7 @@ from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
 SECTIONS = list(Experiment.model_fields)
+LONG = ("benchmark", "preferences", "actions")  # sections with hundreds of settings
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
     assert missing == {("benchmark", "n_cycles", 2)}  # one length of three, which would be as the others
 
 
-@pytest.mark.parametrize("section", SECTIONS)
+@pytest.mark.parametrize("section", [pytest.param(s, marks=pytest.mark.slow) if s in LONG else s for s in SECTIONS])
 def test_a_setting_changes_the_keys_of_what_it_decides_and_no_other(
     section: str, keys_of: Callable[[Content], Keys]
 ) -> None:

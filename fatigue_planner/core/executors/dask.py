@@ -1,5 +1,6 @@
 """The workers of a Dask cluster, on any number of machines: Dask schedules, repeats and gives up the work."""
 
+import gc
 import logging
 import os
 import pickle
@@ -67,6 +68,8 @@ class DaskCluster(Executor):
                     client.close(2)  # not longer: it tries to find a scheduler that is gone
 
     def _connect(self) -> Client:
+        # A client that could not connect is closed when it is collected: during the start of another one, for ever.
+        gc.collect()
         try:
             return Client(self._address, set_as_default=False, name="fatplan")
         except (OSError, TypeError, ValueError, RuntimeError) as error:
