@@ -121,6 +121,7 @@ def study(tmp_path: Path) -> Study:
         (span("range", 2, 9, "benchmark.trials"), "must be the same at all points"),
         (choice(a={"discount": 0.9}, b={"discount": 0.8}), "none is the experiment's own"),
         (choice(a={"discount": 0.9}, b={}), "levels.b: all levels must give the same keys"),
+        (choice(a={f"key_{number:04}": 1 for number in range(3000)}, b={}), "key_0049, … (3000 in all)"),
         (one_factor(kind="wheel"), "own.kind = 'wheel': should be one of 'range', 'scale', 'choice', 'readings'"),
         ({"factors": STUDY["factors"] | {"again": STUDY["factors"]["rollout"]}},
          "is already changed by factor 'rollout'"),

@@ -232,4 +232,4 @@ def _suggestion(node: Any, path: KeyPath, rest: str) -> str:
     close = difflib.get_close_matches(rest.split(".", maxsplit=1)[0], node, n=1)
     if close:
         return f"; did you mean {'.'.join([*path, close[0]])!r}?"
-    return f"; {where} has {', '.join(node)}."
+    return f"; {where} has {listed(node)}."
