@@ -67,9 +67,12 @@ def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -
     mine = smallest(human="paper")
     same = ("workers", "cycle", "preferences", "controller", "accuracy", "fatigue", "discount")
     assert [key for key in same if getattr(mine, key) != getattr(paper, key)] == []
-    same = ("policies", "n_cycles", "trials", "seed", "reference")
+    seven = {name: paper.benchmark.policies[name] for name in paper.statistics.policies or ()}
+    assert mine.benchmark.policies == seven
+    same = ("n_cycles", "trials", "seed", "reference")
     assert [key for key in same if getattr(mine.benchmark, key) != getattr(paper.benchmark, key)] == []
-    assert mine.statistics.model_copy(update={"families": paper.statistics.families}) == paper.statistics
+    own = {"families": paper.statistics.families, "policies": paper.statistics.policies}
+    assert mine.statistics.model_copy(update=own) == paper.statistics
     assert mine.tool.mass_kg == 0  # what is not mentioned is not in the hand
     assert mine.initial_beliefs["rested"] == paper.initial_beliefs["single"]
     assert {name: condition.expertise for name, condition in mine.benchmark.conditions.items()} == {

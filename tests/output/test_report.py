@@ -134,8 +134,8 @@ def test_the_first_sentences_say_what_planning_is_worth(
     (first, *_) = findings(data)
     cost = -pd.read_csv(tmp_path / "trials.csv").groupby(["condition", "policy"])["discounted_return"].mean()
     share = 1 - cost["single_novice", "ahead"] / cost["single_novice", "low"]
-    assert first.startswith(f"Single novice, 5 cycles: planning (`ahead`) saves {percent(share)} (")
-    assert "of the cost of the best fixed action (`low`)" in first and "closing the loop is worth" in first
+    assert first.startswith(f"Single novice, 5 cycles: planning (`ahead`) costs {percent(share)} (")
+    assert "less than the best fixed action (`low`)" in first and "closing the loop is worth" in first
     section = worth_section(data, FigureFolder(tmp_path))
     assert section is not None and len(pd.read_csv(tmp_path / "worth.csv")) == 3 * 4
     assert "What planning is worth is not known: the benchmark has no policy of kind" in made[0]

@@ -121,7 +121,7 @@ def _experiment() -> Content:
             for turn in range(3)
         },
     }
-    grid["policies"] |= {
+    grid["policies"] = {name: grid["policies"][name] for name in content["statistics"]["policies"]} | {
         "timed": {
             "kind": "pomcp", "backup": "mean", "exploration_constant": 0.1, "exploration": "scaled", "seconds": 0.01,
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
@@ -138,6 +138,7 @@ def _experiment() -> Content:
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}
+    content["statistics"]["policies"] = ["greedy", "random"]
     content["statistics"]["families"]["search"] = {
         "policies": ["greedy"], "against": ["random"], "conditions": ["single_novice"], "n_cycles": [5],
     }  # fmt: skip

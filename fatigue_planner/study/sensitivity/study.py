@@ -26,6 +26,8 @@ from fatigue_planner.study.sensitivity.settings import StudySettings
 KeyPath = tuple[str, ...]
 # Keys that must be the same at all points, so that their results can be compared, or that are not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
+# Keys of the base experiment's statistics that are about its own grid.
+OF_ITS_GRID = ("policies", "families")
 MIN_TRIALS = 2
 MAX_REACTIONS = 500
 
@@ -140,7 +142,7 @@ def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str,
         **content,
         "name": settings.name,
         "benchmark": {**benchmark, **changes},
-        "statistics": {key: value for key, value in content["statistics"].items() if key != "families"},
+        "statistics": {key: value for key, value in content["statistics"].items() if key not in OF_ITS_GRID},
         "figures": {},
     }
 
