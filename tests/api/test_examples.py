@@ -18,6 +18,9 @@ OUTPUT = {
     "own_fatigue_law": "",
     "own_report_section": "",
     "tiger": "Mean return of 50 games",
+    "crying_baby": "exact value: -16.31",
+    "rock_sample": "Mean return of 20 games of RockSample[7,8]",
+    "light_dark": "Mean return of 50 games",
     "hidden_worker": "knows the truth",
 }
 
