@@ -95,7 +95,7 @@ class LookaheadPolicy(Policy):
         levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
-        with model.told():
+        with model.told:
             self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
         return np.asarray(levels.values[0].copy())
 

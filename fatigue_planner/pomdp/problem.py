@@ -7,7 +7,6 @@ state, action and outcome decide how likely each observation is. Your own proble
 """
 
 from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
@@ -27,7 +26,7 @@ from fatigue_planner.pomdp.parts import (
     outcome_probabilities,
     step,
 )
-from fatigue_planner.pomdp.told import in_the_users_terms, no_number
+from fatigue_planner.pomdp.told import InTheUsersTerms, no_number
 
 __all__ = [
     "Dynamics", "Observation", "Pomdp", "advance", "draw", "expected_reward", "observation_probability",
@@ -98,9 +97,10 @@ class Pomdp:
         """Whether its observations are continuous."""
         return self.dynamics.draw_observation is not None
 
-    def told(self) -> AbstractContextManager[None]:
+    @cached_property
+    def told(self) -> InTheUsersTerms:
         """A context in which errors of the problem's functions are told in their author's terms, as ProblemError."""
-        return in_the_users_terms(self.dynamics.functions())
+        return InTheUsersTerms(self.dynamics.functions())
 
     def check(self, action: int, observation: Observation = 0) -> None:
         """Raise IndexError for an index that the problem does not have: compiled code would not notice."""
@@ -129,7 +129,7 @@ class Pomdp:
         Raises ProblemError, naming state, action and sum, for probabilities that are negative or do not sum to 1, and
         for functions that cannot be compiled.
         """
-        with self.told():
+        with self.told:
             for state in states[:MAX_CHECKED]:
                 for action in range(len(self.actions)) if actions is None else actions:
                     if not self.has_ended(state) and self.is_legal(state, action):
@@ -144,7 +144,7 @@ class Pomdp:
             return
         if action < 0:
             states = states[:: -(-len(states) // MAX_CHECKED)]
-        with self.told():
+        with self.told:
             wrong = self._first_wrong(self.arrays, states, action, len(self.actions), len(self.outcomes))
         if wrong >= 0:
             self.check_probabilities(states[wrong : wrong + 1], None if action < 0 else [action])

@@ -3,8 +3,7 @@
 import inspect
 import linecache
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -52,13 +51,18 @@ def checked(name: str, function: Callable[..., Any], arguments: tuple[str, ...])
     return function if hasattr(function, "py_func") else compiled(function)
 
 
-@contextmanager
-def in_the_users_terms(functions: Mapping[str, Callable[..., Any] | None]) -> Iterator[None]:
-    """Errors of numba, and those that a wrong result of these functions causes, as a ProblemError."""
-    try:
-        yield
-    except NumbaError as error:
-        raise ProblemError(_told(str(error), functions)) from None
+class InTheUsersTerms:
+    """A context in which errors of numba that these functions cause become ProblemErrors; it costs nothing else."""
+
+    def __init__(self, functions: Mapping[str, Callable[..., Any] | None]) -> None:
+        self._functions = functions
+
+    def __enter__(self) -> None:
+        """Nothing is done before something goes wrong."""
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: object) -> None:
+        if isinstance(error, NumbaError):
+            raise ProblemError(_told(str(error), self._functions)) from None
 
 
 def no_number(name: str, function: Callable[..., Any], what: str, got: object) -> ProblemError:

@@ -121,7 +121,7 @@ class PomcpPolicy(Policy):
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         parameters = SearchParameters(constant, model.discount, settings.rollout_cycles, *self._tables)
-        with model.told():
+        with model.told:
             depth = self._kernel(
                 model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, rng
             )

@@ -54,7 +54,7 @@ class Belief(ABC):
         model = self.model
         values = np.where(self.legal_actions(), 0.0, -np.inf)
         kernel = specialised(add_expected_rewards, expected_reward=model.parts["expected_reward"])
-        with model.told():
+        with model.told:
             kernel(model.arrays, self.states, self.weights, len(model.outcomes), values)
         return values
 
@@ -64,7 +64,7 @@ class Belief(ABC):
         legal = np.ones(len(model.actions), bool)
         if model.dynamics.is_legal is not None:
             ended = model.dynamics.is_terminal or terminal_never
-            with model.told():
+            with model.told:
                 kernel = specialised(forbid, is_legal=model.dynamics.is_legal, is_terminal=ended)
                 kernel(model.arrays, self.states, self.weights, legal)
             if not legal.any():
@@ -94,7 +94,7 @@ class Belief(ABC):
     def _which(self, action: int) -> NDArray[np.bool_]:
         """Which states permit an action, where the task has ended, too; or for -1, in which the task has not ended."""
         legal, ended = self.model.dynamics.is_legal or legal_always, self.model.dynamics.is_terminal or terminal_never
-        with self.model.told():
+        with self.model.told:
             kernel = specialised(mark, is_legal=legal, is_terminal=ended)
             return np.asarray(kernel(self.model.arrays, self.states, action))
 

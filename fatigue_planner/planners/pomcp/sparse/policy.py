@@ -144,7 +144,7 @@ class SparsePolicy(Policy):
             arguments = belief.states, belief.weights, legal, np.ones(legal.size, bool), tree, workspace
             constants = widening.Widening(*wide, seen)
             parameters = self._parameters(model, tree)
-            with model.told():
+            with model.told:
                 more, depth = self._kernel(
                     model.arrays,
                     bound_arrays_for(model, search.leaf_value),
