@@ -77,7 +77,15 @@ def _told(message: str, functions: Mapping[str, Callable[..., Any] | None]) -> s
     names = [
         f"{name}: your function {_place_of(plain)}" for name, plain in _plain(functions) if _contains(plain, file, line)
     ]
-    where = names[0] if names else f"a function that the problem's functions call ({Path(file).name}, line {line})"
+    if not file:  # numba does not say where
+        missing = re.search(r"name '(\w+)'", message)
+        names = [
+            f"{name}: your function {_place_of(plain)}"
+            for name, plain in _plain(functions)
+            if missing and missing[1] in plain.__code__.co_names
+        ]
+    called = f"({Path(file).name}, line {line}) " if file else ""
+    where = names[0] if names else f"a function {called}that the problem's functions call"
     code = f" At line {line}, {text!r}:" if text else ""
     return f"{where} cannot be compiled.{code} {_reason(message)}; {RULES}."
 

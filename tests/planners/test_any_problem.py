@@ -33,6 +33,7 @@ from fatigue_planner.planners.pomcp.sparse.pomcpow import PomcpowSettings
 from fatigue_planner.planners.pomcp.sparse.tree import NONE, SparseTree, new_tree, node_type
 from fatigue_planner.planners.registry import policy as settings_of
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 
 WIDE = {"observations_k": 2.0, "observations_alpha": 0.25, "actions_k": 1.0, "actions_alpha": 0.3}
@@ -318,3 +319,27 @@ def test_beliefs_know_continuous_observations() -> None:
             belief.update(2, wrong, np.random.default_rng(0))
     _, drawn, _ = belief.model.sample_step(np.zeros(1), 1, np.random.default_rng(0))
     assert drawn.shape == (2,)
+
+
+def wrong_at_home(_arrays: Any, state: np.ndarray, _action: int, probabilities: np.ndarray) -> None:
+    probabilities[0] = 1.0 if state[0] == 1 else 0.7
+
+
+def test_chances_are_checked_in_every_state_that_is_met(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first belief holds right states only; the wrong one comes later, to each of those who use probabilities."""
+    plant_in_search(monkeypatch)
+    functions = replace(ferry().model.dynamics, outcome_probabilities=wrong_at_home)
+    for dynamics in (functions, replace(functions, is_legal=None, is_terminal=None, advance=lambda *_: 0.0)):
+        problem = replace(ferry().model, dynamics=dynamics)
+        bridge, home = (ExactBelief(problem, np.array([[place, 0.0]]), np.ones(1)) for place in (1.0, 0.0))
+        message, rng = r"in state \[0.0, 0.0\] sum to 0.7", np.random.default_rng(0)
+        for settings in ("greedy", {"kind": "lookahead", "depth": 1}, pomcp(5)):
+            actor = settings_of(settings).build()
+            actor.act(bridge, rng)
+            with pytest.raises(ProblemError, match=message):
+                actor.act(home, rng)
+        for update in (home.update, ParticleBelief.begin(problem, home.states).update):
+            with pytest.raises(ProblemError, match=message):
+                update(ON, 0, rng)
+        with pytest.raises(ProblemError, match=message):
+            problem.sample_step(home.states[0], ON, rng)
