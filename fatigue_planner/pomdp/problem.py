@@ -26,7 +26,7 @@ from fatigue_planner.pomdp.parts import (
     outcome_probabilities,
     step,
 )
-from fatigue_planner.pomdp.told import InTheUsersTerms, no_number
+from fatigue_planner.pomdp.told import InTheUsersTerms, check_arrays, no_number
 
 __all__ = [
     "Dynamics", "Observation", "Pomdp", "advance", "draw", "expected_reward", "observation_probability",
@@ -64,6 +64,17 @@ class Pomdp:
     arrays: Any
     dynamics: Dynamics
     observation_reveals_outcome: bool = field(default=False, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Raise ProblemError for what compiled code would go wrong with."""
+        for what in ("actions", "outcomes", "observations"):
+            names = getattr(self, what)
+            if isinstance(names, str) or not names:
+                raise ProblemError(f"{what}: {names!r} are no names; give a tuple of at least one.")
+            object.__setattr__(self, what, tuple(names))
+        if not 0 <= self.discount <= 1:
+            raise ProblemError(f"discount: {self.discount!r}; it lies between 0 and 1.")
+        check_arrays("arrays", self.arrays)
 
     # Whether its functions are the package's own: they need no check at every decision.
     is_trusted: ClassVar[bool] = False
@@ -104,7 +115,11 @@ class Pomdp:
 
     def check(self, action: int, observation: Observation = 0) -> None:
         """Raise IndexError for an index that the problem does not have: compiled code would not notice."""
-        named = [("action", action, self.actions)]
+        if not isinstance(action, int | np.integer):
+            raise IndexError(
+                f"action {action!r}: actions are numbered from 0; {list(self.actions)}.index(...) is the number"
+            )
+        named = [("action", int(action), self.actions)]
         if isinstance(observation, int | np.integer):
             named += [("observation", int(observation), self.observations)]
         elif not self.is_continuous or np.shape(observation) != (len(self.observations),):
@@ -197,7 +212,7 @@ class Pomdp:
         """The state an outcome leads to, and its reward. Raises ProblemError if that is no number."""
         moved = state.copy()
         reward = self.dynamics.advance(self.arrays, moved, action, outcome)
-        if not isinstance(reward, int | float | np.number):
+        if not isinstance(reward, int | float | np.number) or np.isnan(reward):
             raise no_number("advance", self.dynamics.advance, "the reward, a number", reward)
         return moved, float(reward)
 
@@ -207,6 +222,9 @@ class Pomdp:
         Raises ProblemError if the task has ended, if the state forbids the action, or for wrong probabilities.
         """
         self.check(action)
+        if not isinstance(rng, np.random.Generator):
+            raise ProblemError(f"rng: {rng!r} is no random generator; give np.random.default_rng(seed).")
+        state = np.asarray(state, float)
         if not self.is_trusted:
             self._check_possible(state, action)
         if self.is_continuous:
@@ -214,7 +232,8 @@ class Pomdp:
             moved, reward = self.transition(state, action, outcome)
             return moved, self._draw_observation(moved, action, outcome, rng), reward
         moved = state.copy()
-        observation, reward = self.parts["step"](self.arrays, moved, action, np.empty(len(self.outcomes)), rng)
+        with self.told:
+            observation, reward = self.parts["step"](self.arrays, moved, action, np.empty(len(self.outcomes)), rng)
         return moved, int(observation), float(reward)
 
     def _check_possible(self, state: Vector, action: int) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+import numpy as np
 from numba.core.errors import NumbaError
 
 from fatigue_planner.core.errors import ProblemError
@@ -29,7 +30,8 @@ HINTS = {
     r"float\(\) only support for numbers|float\(bool\)": "a truth value is no number: write 1.0 if x else 0.0",
     r"Can't unify return type|Cannot unify": "it must return, or a variable must be, the same type everywhere: "
     "write 0.0 for a number without a fraction",
-    r"NRT required but not enabled|_nrt": "it makes a new array; write into the arrays it is given instead",
+    r"built-in function (?:array|empty|zeros|ones|full|copy)>|NRT required but not enabled": "it makes a new array; "
+    "write into the arrays it is given instead",
     r"Cannot determine Numba type of <class '([\w.]+)'>": "compiled code knows no {0}",
 }
 _PLACE = re.compile(r'File "([^"]+)", line (\d+)')
@@ -49,6 +51,21 @@ def checked(name: str, function: Callable[..., Any], arguments: tuple[str, ...])
             f"({', '.join(arguments)})."
         )
     return function if hasattr(function, "py_func") else compiled(function)
+
+
+def check_arrays(name: str, arrays: Any) -> None:
+    """Raise ProblemError, naming the member, for arrays that compiled functions cannot get: numba crashes on some."""
+    if isinstance(arrays, tuple):
+        fields = getattr(arrays, "_fields", range(len(arrays)))
+        for field, member in zip(fields, arrays, strict=True):
+            check_arrays(f"{name}.{field}" if isinstance(field, str) else f"{name}[{field}]", member)
+    elif isinstance(arrays, np.ndarray):
+        if arrays.dtype.kind not in "biuf":
+            raise ProblemError(f"{name}: an array of {arrays.dtype}; it must be one of numbers or truth values.")
+    elif not isinstance(arrays, int | float | np.number | np.bool_ | None):
+        raise ProblemError(
+            f"{name}: {type(arrays).__name__}; it must be a number, a NumPy array, a NamedTuple of these, or None."
+        )
 
 
 class InTheUsersTerms:

@@ -1,6 +1,7 @@
 """A problem or belief whose probabilities are not probabilities is refused before anything is planned."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -95,6 +96,17 @@ def calls_undecorated(_arrays, _state, _action, _side):
 
 
 @compiled
+def not_a_number(_arrays, _state, _action, _side):
+    return np.nan
+
+
+@compiled
+def array_made_in_a_step(_arrays, _state, _action, _scratch, _rng):
+    chances = np.array([0.5, 0.5])
+    return 0, chances[0]
+
+
+@compiled
 def nothing_returned(_arrays, state, _action, side):
     state[0] = side
 
@@ -107,6 +119,8 @@ TOLD = [
     ("advance", no_such_array, r"no_such_array .*the problem's arrays are None: they have no gold"),
     ("advance", calls_undecorated, r"calls_undecorated .*undecorated_helper .*decorate it with fp.compiled"),
     ("advance", nothing_returned, r"nothing_returned .* must return the reward, a number; it returned None"),
+    ("advance", not_a_number, r"not_a_number .* must return the reward, a number; it returned nan"),
+    ("step", array_made_in_a_step, r"array_made_in_a_step .*it makes a new array; write into the arrays it is given"),
 ]  # fmt: skip
 
 
@@ -153,3 +167,40 @@ def test_functions_of_another_form_are_refused(given, message) -> None:
 def test_a_function_need_not_be_decorated() -> None:
     dynamics = replace(PROBLEM.dynamics, bound=lambda _arrays, state: state[0])
     assert dynamics.bound is not None and hasattr(dynamics.bound, "py_func")
+
+
+class Lists(NamedTuple):
+    """What numba crashes on."""
+
+    rocks: object
+    size: int
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"arrays": Lists([[1.0, 2.0], [3.0]], 7)}, r"arrays.rocks: list; it must be a number, a NumPy array"),
+        ({"arrays": {"size": 7}}, "arrays: dict; it must be a number"),
+        ({"arrays": Lists(np.array(["a"]), 7)}, "arrays.rocks: an array of <U1; it must be one of numbers"),
+        ({"discount": 2.0}, "discount: 2.0; it lies between 0 and 1"),
+        ({"actions": "listen"}, "actions: 'listen' are no names"),
+    ],
+)
+def test_a_problem_that_compiled_code_cannot_get_is_refused(given, message) -> None:
+    with pytest.raises(ProblemError, match=message):
+        replace(PROBLEM, **given)
+    assert replace(PROBLEM, actions=["a", "b", "c"]).actions == ("a", "b", "c")
+
+
+def test_states_are_a_table_of_numbers() -> None:
+    with pytest.raises(ProblemError, match=r"states have shape \(2,\); give one row for each"):
+        ExactBelief(PROBLEM, np.array([0.0, 1.0]), np.array([0.5, 0.5]))
+    belief = ExactBelief(PROBLEM, [[0], [1]], [0.5, 0.5])
+    assert belief.states.dtype == belief.weights.dtype == np.float64
+
+
+def test_a_step_is_asked_for_by_numbers_and_with_a_generator() -> None:
+    with pytest.raises(IndexError, match="action 'listen': actions are numbered from 0"):
+        PROBLEM.sample_step(STATES[0], "listen", np.random.default_rng(0))
+    with pytest.raises(ProblemError, match="rng: None is no random generator"):
+        PROBLEM.sample_step(STATES[0], 2, None)

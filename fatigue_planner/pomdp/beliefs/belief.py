@@ -32,7 +32,15 @@ class Belief(ABC):
     surprised: bool = False
 
     def __post_init__(self) -> None:
-        """Raise ProblemError for weights that are not probabilities."""
+        """Raise ProblemError for states that are no table, and for weights that are not probabilities."""
+        for name in ("states", "weights"):
+            given = getattr(self, name)
+            if not isinstance(given, np.ndarray) or given.dtype != np.float64:
+                object.__setattr__(self, name, np.asarray(given, float))
+        if self.states.ndim != 2:
+            raise ProblemError(
+                f"the belief's states have shape {self.states.shape}; give one row for each, such as [[0.0], [1.0]]."
+            )
         if self.weights.shape != (len(self.states),):
             raise ProblemError(f"the belief has {len(self.states)} states and weights of shape {self.weights.shape}.")
         total = float(self.weights.sum())
