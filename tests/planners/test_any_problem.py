@@ -19,9 +19,9 @@ from any_problem import (
     ferry,
     ferry_values,
     line,
-    line_density,
     run_plainly,
 )
+from any_problem import line_density as compiled_density
 from plain_python import interpreted, plant_in_search
 from small_problems import pomcp, random_tables, table_belief
 
@@ -36,6 +36,7 @@ from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 
+line_density = compiled_density.py_func  # type: ignore[attr-defined]
 WIDE = {"observations_k": 2.0, "observations_alpha": 0.25, "actions_k": 1.0, "actions_alpha": 0.3}
 
 
@@ -256,6 +257,28 @@ def test_beliefs_in_nodes_weigh_states_by_what_was_seen() -> None:
         np.testing.assert_allclose(weights, expected, rtol=1e-9, atol=1e-12)
         np.testing.assert_array_equal(tree.rewards[places], -np.abs(tree.particles[places, 0]))
     assert int(tree.used[1]) <= 2 * sum(nodes.particles)
+
+
+def test_a_descent_goes_on_from_a_state_of_the_nodes_belief() -> None:
+    """The place is seen without error, so the belief of every node is one place: all come from what its parent saw."""
+
+    def see_exactly(_arrays: Any, state: np.ndarray, _a: int, _u: int, seen: np.ndarray, _rng: Any) -> None:
+        seen[0], seen[1] = state[0], 0.0
+
+    def certainty(_arrays: Any, state: np.ndarray, _a: int, _u: int, seen: np.ndarray) -> float:
+        return 1.0 if seen[0] == state[0] else 0.0
+
+    start = line(observation_probability=certainty, draw_observation=see_exactly)
+    settings = PomcpowSettings(kind="pomcpow", exploration_constant=5.0, leaf_value="none", descents=300, **WIDE)
+    tree = settings.build().tree(start, np.random.default_rng(1), 0.0)  # type: ignore[attr-defined]
+    nodes, deeper = used(tree), 0
+    for index in range(1, len(nodes)):
+        if nodes.parent[index] > 0:
+            come = tree.particles[particles_of(tree, index), 0]
+            moves = come - tree.seen[nodes.parent[index], 0] - (int(nodes.action[index]) - 1)
+            assert set(moves.tolist()) <= {0.0, 0.5}
+            deeper += come.size
+    assert deeper > 100
 
 
 def test_a_particle_is_drawn_by_its_weight() -> None:

@@ -1,5 +1,7 @@
 """A problem with every optional function, small enough to be solved by recursion; and searches run as plain Python."""
 
+import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 from plain_python import interpreted
 
 from fatigue_planner.core import jit
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.planners import lookahead
 from fatigue_planner.planners.pomcp.sparse import policy
 from fatigue_planner.pomdp import dynamics, problem
@@ -19,13 +22,22 @@ BACK, ON, ASK, TURN_BACK = range(4)
 DISCOUNT, TOLD_RIGHTLY = 0.9, 0.8
 
 
+@compiled
 def ferry_outcomes(_arrays: Any, _state: np.ndarray, _action: int, probabilities: np.ndarray) -> None:
     probabilities[0] = 1.0
 
 
+@compiled
+def ferry_legal(_arrays: Any, state: np.ndarray, action: int) -> bool:
+    """Nobody goes back from home, turns back on the bridge, or asks there."""
+    return state[0] == 1 if action == BACK else action == ON or state[0] == 0
+
+
+@compiled
 def ferry_advance(_arrays: Any, state: np.ndarray, action: int, _outcome: int) -> float:
-    """Compiled code would go wrong where an action is forbidden; here it is noticed."""
-    assert ferry_legal(None, state, action) and state[0] < 2
+    """It is noticed if something forbidden is tried, or goes on after the end."""
+    assert state[0] < 2
+    assert ferry_legal(None, state, action)
     if action == ASK:
         return -0.5
     if action == TURN_BACK:
@@ -37,27 +49,27 @@ def ferry_advance(_arrays: Any, state: np.ndarray, action: int, _outcome: int) -
     return -0.1
 
 
+@compiled
 def ferry_see(_arrays: Any, state: np.ndarray, action: int, _outcome: int, observation: int) -> float:
     return 0.5 if action != ASK else TOLD_RIGHTLY if observation == state[1] else 1 - TOLD_RIGHTLY
 
 
-def ferry_legal(_arrays: Any, state: np.ndarray, action: int) -> bool:
-    """Nobody goes back from home, turns back on the bridge, or asks there."""
-    return state[0] == 1 if action == BACK else action == ON or state[0] == 0
-
-
+@compiled
 def ferry_gone(_arrays: Any, state: np.ndarray) -> bool:
     return state[0] == 2
 
 
+@compiled
 def ferry_prior(_arrays: Any, _state: np.ndarray, action: int) -> tuple[float, float]:
     return (4.0, 3.0) if action == ON else (0.0, 0.0)
 
 
+@compiled
 def ferry_rollout(_arrays: Any, _state: np.ndarray, _rng: np.random.Generator) -> int:
     return ON
 
 
+@compiled
 def ferry_bound(_arrays: Any, state: np.ndarray) -> float:
     return 2.0 + state[0]
 
@@ -75,11 +87,12 @@ def ferry(**functions: Any) -> ExactBelief:
     return ExactBelief(made, np.array([[0.0, 0.0], [0.0, 1.0]]), np.array([0.6, 0.4]))
 
 
+@cache
 def ferry_values(out: float, place: int, steps: int) -> dict[int, float]:
     """Independent of the package: the exact values of the legal actions, by recursion over the belief."""
 
     def best(chance: float, where: int) -> float:
-        return max(ferry_values(chance, where, steps - 1).values()) if steps > 1 else 0.0
+        return max(ferry_values(round(chance, 14), where, steps - 1).values()) if steps > 1 else 0.0
 
     told = [TOLD_RIGHTLY * out + 0.2 * (1 - out), 0.2 * out + TOLD_RIGHTLY * (1 - out)]
     after = [TOLD_RIGHTLY * out / told[0], 0.2 * out / told[1]]
@@ -90,15 +103,18 @@ def ferry_values(out: float, place: int, steps: int) -> dict[int, float]:
 
 
 # Light at 0: a place is seen the better, the nearer it is. A state: the place.
+@compiled
 def line_advance(_arrays: Any, state: np.ndarray, action: int, outcome: int) -> float:
     state[0] += (-1.0, 0.0, 1.0)[action] + 0.5 * outcome
     return -abs(state[0])
 
 
+@compiled
 def line_outcomes(_arrays: Any, _state: np.ndarray, _action: int, probabilities: np.ndarray) -> None:
     probabilities[0], probabilities[1] = 0.75, 0.25
 
 
+@compiled
 def line_see(
     _arrays: Any, state: np.ndarray, _action: int, _outcome: int, seen: np.ndarray, rng: np.random.Generator
 ) -> None:
@@ -106,15 +122,17 @@ def line_see(
     seen[1] = rng.random()
 
 
+@compiled
 def line_density(_arrays: Any, state: np.ndarray, _action: int, _outcome: int, seen: np.ndarray) -> float:
     deviation = 0.5 + abs(state[0])
-    return float(np.exp(-0.5 * ((seen[0] - state[0]) / deviation) ** 2) / deviation)
+    return math.exp(-0.5 * ((seen[0] - state[0]) / deviation) ** 2) / deviation
 
 
-def line() -> ExactBelief:
+def line(**functions: Any) -> ExactBelief:
     """Somewhere between -2 and 2, with continuous observations of two numbers."""
-    functions = Dynamics(line_outcomes, line_advance, line_density, draw_observation=line_see)
-    made = Pomdp(("left", "stay", "right"), ("still", "drifts"), ("place", "noise"), 0.9, None, functions)
+    given = {"observation_probability": line_density, "draw_observation": line_see} | functions
+    dynamics_of_line = Dynamics(line_outcomes, line_advance, **given)
+    made = Pomdp(("left", "stay", "right"), ("still", "drifts"), ("place", "noise"), 0.9, None, dynamics_of_line)
     return ExactBelief(made, np.arange(-2.0, 3.0)[:, None], np.full(5, 0.2))
 
 
@@ -124,7 +142,7 @@ def run_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
     def plain(template: Any, *compiler: Any, **parts: Any) -> Any:
         return interpreted(jit.specialised(template, *compiler, **parts))
 
-    monkeypatch.setattr(dynamics, "checked", lambda _name, function, _arguments: function)
+    monkeypatch.setattr(dynamics, "checked", lambda _name, function, _arguments: getattr(function, "py_func", function))
     for module in (problem, belief, exact):
         monkeypatch.setattr(module, "specialised", plain)
     kernels = {policy: "search_kernel", lookahead: "lookahead_kernel"}

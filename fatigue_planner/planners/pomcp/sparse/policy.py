@@ -89,6 +89,7 @@ def _widened(model: Pomdp) -> Any:
         widening.follow_widened,
         inlined,
         see=see,
+        CONTINUOUS=model.is_continuous,
         likelihood=specialised(widening.likelihood, inlined, **density),
         is_terminal=rules(model)["is_terminal"],
         **{name: model.parts[name] for name in ("outcome_probabilities", "advance")},

@@ -130,6 +130,9 @@ def follow_widened(
 
     While there is room for more observations, one is drawn; else one of those there are. The state joins the belief of
     that node, with the likelihood of its observation as weight, and the descent goes on from a state of that belief.
+    Of finitely many observations, one that was drawn from the state itself has been weighed by that already: it counts
+    1, another its likelihood over the chance that it was chosen. (POMCPOW weighs the former twice, which does not
+    matter where hardly any observation is drawn twice.)
     """
     state, observation, node = workspace.state, wide.observation, tree.nodes[index]
     outcome_probabilities(arrays, state, action, workspace.probabilities)
@@ -148,9 +151,12 @@ def follow_widened(
                 tree.seen[child, j] = observation[j]
         tree.nodes[child].drawn += np.uint32(1)
         node.drawn_below[action] += np.uint32(1)
+        weight = likelihood(arrays, state, action, outcome, observation) if CONTINUOUS else 1.0
     else:
         child = child_by_draws(tree, index, action, rng.random())
-    weight = likelihood(arrays, state, action, outcome, tree.seen[child])
+        weight = likelihood(arrays, state, action, outcome, tree.seen[child])
+        if not CONTINUOUS:
+            weight *= node.drawn_below[action] / tree.nodes[child].drawn
     add_particle(tree, child, state, reward, weight)
     if not is_new:
         place = draw_particle(tree, child, rng.random())
