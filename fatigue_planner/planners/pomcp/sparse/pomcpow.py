@@ -23,19 +23,22 @@ class PomcpowSettings(PolicySettings):
         default=5.0,
         gt=0,
         le=1e6,
-        description="Factor k of the widening: below an action tried N times at most k N^alpha observations and one.",
+        description="Factor k of the widening, without unit: below an action tried N times at most k N^alpha "
+        "observations and one.",
     )
     observations_alpha: float = Field(
-        default=0.1, ge=0, le=1, description="Exponent alpha of the widening of the observations."
+        default=0.1, ge=0, le=1, description="Exponent alpha of the widening of the observations, without unit."
     )
     actions_k: float = Field(
         default=1e6,
         ge=1,
         le=1e6,
-        description="Factor k of the widening of the actions: a node visited N times considers the first k N^alpha of "
+        description="Factor k of the widening of the actions, without unit: a node visited N times considers the first k N^alpha of "
         "its legal actions, in their order.",
     )
-    actions_alpha: float = Field(default=0.0, ge=0, le=1, description="Exponent alpha of the widening of the actions.")
+    actions_alpha: float = Field(
+        default=0.0, ge=0, le=1, description="Exponent alpha of the widening of the actions, without unit."
+    )
     descents: int | None = Field(
         default=None,
         ge=1,
