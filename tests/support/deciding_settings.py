@@ -129,7 +129,7 @@ def _experiment() -> Content:
         **{
             f"widened_{turn}": {
                 "kind": "pomcpow", "exploration_constant": 0.1, "leaf_value": "greedy_rollout", "rollout_cycles": 5,
-                "observations_k": 1.0, "observations_alpha": 0.1, "actions_k": 1.0, "actions_alpha": 0.1, **budget,
+                "observations_k": 2.0, "observations_alpha": 0.1, "actions_k": 2.0, "actions_alpha": 0.1, **budget,
             }
             for turn, budget in enumerate(({"descents": 20}, {"seconds": 0.01}))
         },

@@ -33,8 +33,8 @@ class PomcpowSettings(PolicySettings):
         default=1e6,
         ge=1,
         le=1e6,
-        description="Factor k of the widening of the actions, without unit: a node visited N times considers the first k N^alpha of "
-        "its legal actions, in their order.",
+        description="Factor k of the widening of the actions, without unit: a node visited N times considers the first "
+        "k N^alpha of its legal actions, in their order.",
     )
     actions_alpha: float = Field(
         default=0.0, ge=0, le=1, description="Exponent alpha of the widening of the actions, without unit."
