@@ -117,4 +117,4 @@ def play(settings: fp.PolicySettings, rng: np.random.Generator) -> tuple[float, 
 if __name__ == "__main__":
     rng = np.random.default_rng(1)
     print("One game:", ", ".join(play(SEARCH, rng)[1]))
-    print(f"Mean return of 50 games: {np.mean([play(SEARCH, rng)[0] for _ in range(50)]):.1f}")
+    print(f"Mean return of 20 games: {np.mean([play(SEARCH, rng)[0] for _ in range(20)]):.1f}")

@@ -203,5 +203,5 @@ if __name__ == "__main__":
     belief = start(rock_sample(7, MAP_7_8), (0, 3))
     rng = np.random.default_rng(1)
     print("One game:", ", ".join(play(belief, SEARCH, rng)[1]))
-    returns = [play(belief, SEARCH, rng)[0] for _ in range(20)]
-    print(f"Mean return of 20 games of RockSample[7,8]: {np.mean(returns):.1f}")
+    returns = [play(belief, SEARCH, rng)[0] for _ in range(10)]
+    print(f"Mean return of 10 games of RockSample[7,8]: {np.mean(returns):.1f}")

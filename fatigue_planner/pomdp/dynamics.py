@@ -48,7 +48,8 @@ class Dynamics:
     What helps a search:
 
     prior(arrays, state, action) -> (visits, value)
-        what is known of an action before it is tried: that it is worth `value`, as if tried `visits` times (0: nothing)
+        what is known of an action before it is tried: that it is worth `value`, as if tried `visits` times (0: nothing;
+        at most 1000)
     rollout(arrays, state, rng) -> action
         the policy of rollouts (leaf value `rollout`), which may know the state
     bound(bound_arrays, state) -> value

@@ -1,6 +1,6 @@
 """Which action a descent chooses: UCB1 among those that are legal, preferred ones with visits they begin with.
 
-The prior is that of Silver & Veness (2010, section 5): a preferred action begins with a number of visits and a value.
+The prior is that of Silver & Veness (2010): a preferred action begins with a number of visits and a value.
 """
 
 from typing import Any
