@@ -1,7 +1,9 @@
 """The base classes of a policy, which chooses the robot's action from a belief, and of the settings that build it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,7 @@ from pydantic import Field
 from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.problem import Pomdp
 from fatigue_planner.pomdp.scenario import Knowledge
 
 Vector = NDArray[np.float64]
@@ -41,6 +44,17 @@ class Decision:
     reason: str
 
 
+class Rule(NamedTuple):
+    """How a policy decides from nothing but what it believes, as compiled code.
+
+    choose(problem): the function (arrays, memory, states, weights, rng) -> action, which draws nothing from `rng`
+    memory(belief): what it works with, for beliefs of at most as many states
+    """
+
+    choose: Callable[[Pomdp], Any]
+    memory: Callable[[Belief], Any]
+
+
 class Policy(ABC):
     """A policy for one run of the task; a new one is made for every run.
 
@@ -60,6 +74,17 @@ class Policy(ABC):
 
     def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
         """Called after every cycle with what was done and seen; the next belief contains it, too."""
+
+    def ahead(self, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Counts | None:
+        """The actions of the coming cycles, if nothing that will be observed can change them.
+
+        With this, or a `rule`, the benchmark runs many trials at once, with the same results.
+        """
+        return None
+
+    def rule(self) -> Rule | None:
+        """The policy as compiled code, if it decides from its belief alone and draws nothing."""
+        return None
 
 
 class PolicySettings(Settings):

@@ -13,14 +13,17 @@ from fatigue_planner.core.random_streams import draw_random_numbers, random_stre
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.scenario import Scenario
+from fatigue_planner.study.benchmark.compiled_trials import can_be_compiled, compiled_trials
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 
 # What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
 SOURCES = (
     "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
-    "study/benchmark/trial.py",
+    "study/benchmark/compiled_trials.py", "study/benchmark/trial.py",
 )  # fmt: skip
+# A part of so many trials that run at once takes less than a second.
+COMPILED_PER_PART = 1000
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 
@@ -68,16 +71,31 @@ class Cell(Job[TrialResult]):
 
     def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
         """See Job.run."""
+        if can_be_compiled(self.scenario, self.settings):
+            key = (self.seed, self.condition, self.n_cycles)
+            return compiled_trials(self.scenario, self.settings, key, trials, self._planner)
+        return self.run_one_by_one(trials)
+
+    @property
+    def trials_per_part(self) -> int:
+        """See Job.trials_per_part."""
+        return COMPILED_PER_PART if can_be_compiled(self.scenario, self.settings) else super().trials_per_part
+
+    def run_one_by_one(self, trials: Sequence[int]) -> dict[int, TrialResult]:
+        """The same results as `run`, with every decision asked for and timed."""
         self._load_compiled_code(trials if self.scenario.prior else trials[:1])
         results = {}
         for trial in trials:
             random_numbers = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
-            planner = random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
-            policy = self.settings.build()
+            policy, knows = self.settings.build(), self.settings.knows
             results[trial] = run_trial(
-                self.scenario, policy, self.settings.knows, self.n_cycles, random_numbers, planner
+                self.scenario, policy, knows, self.n_cycles, random_numbers, self._planner(trial)
             )
         return results
+
+    def _planner(self, trial: int) -> np.random.Generator:
+        """The planner's own stream in a trial."""
+        return random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
 
     def _load_compiled_code(self, trials: Sequence[int]) -> None:
         """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""

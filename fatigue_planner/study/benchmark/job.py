@@ -36,6 +36,11 @@ class Job(ABC, Generic[T]):
     def trial_numbers(self) -> Sequence[int]:
         """The trials to do."""
 
+    @property
+    def trials_per_part(self) -> int:
+        """How many trials are done and stored together."""
+        return 5
+
     @abstractmethod
     def run(self, trials: Sequence[int]) -> dict[int, T]:
         """Do some trials."""

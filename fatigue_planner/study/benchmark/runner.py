@@ -22,8 +22,6 @@ from fatigue_planner.core.files import (
 )
 from fatigue_planner.study.benchmark.job import Job
 
-TRIALS_PER_PART = 5
-
 T = TypeVar("T")
 
 
@@ -94,7 +92,8 @@ def run_grid(
         results.append({trial: finished[trial] for trial in job.trial_numbers() if trial in finished})
         progress(job, len(results[index]))
         missing = [trial for trial in job.trial_numbers() if trial not in finished]
-        parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
+        size = job.trials_per_part
+        parts += [(index, missing[i : i + size]) for i in range(0, len(missing), size)]
     parts.sort(key=lambda part: -grid[part[0]].effort * len(part[1]))
     lost = []
     for position, done in executor.run(_run, [(grid[index].part(trials), trials) for index, trials in parts]):
