@@ -75,15 +75,16 @@ class Policy(ABC):
     def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
         """Called after every cycle with what was done and seen; the next belief contains it, too."""
 
-    def ahead(self, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Counts | None:
-        """The actions of the coming cycles, if nothing that will be observed can change them.
+    def ahead(self, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Counts:
+        """The actions of the coming cycles (n_cycles,), for a policy whose choices nothing that is observed can change.
 
-        With this, or a `rule`, the benchmark runs many trials at once, with the same results.
+        Where a class has this, or a `rule`, beside its `act`, the benchmark runs many trials at once, with the same
+        results.
         """
-        return None
+        raise NotImplementedError
 
     def rule(self) -> Rule | None:
-        """The policy as compiled code, if it decides from its belief alone and draws nothing."""
+        """The policy as compiled code; None if it does not decide from its belief alone, or draws."""
         return None
 
 

@@ -22,8 +22,8 @@ SOURCES = (
     "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
     "study/benchmark/compiled_trials.py", "study/benchmark/trial.py",
 )  # fmt: skip
-# A part of so many trials that run at once takes less than a second.
-COMPILED_PER_PART = 1000
+# So many trials run together in compiled loops take less than a second.
+COMPILED_TRIALS = 1000
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 
@@ -77,9 +77,9 @@ class Cell(Job[TrialResult]):
         return self.run_one_by_one(trials)
 
     @property
-    def trials_per_part(self) -> int:
-        """See Job.trials_per_part."""
-        return COMPILED_PER_PART if can_be_compiled(self.scenario, self.settings) else super().trials_per_part
+    def trials_at_once(self) -> int:
+        """See Job.trials_at_once."""
+        return COMPILED_TRIALS if can_be_compiled(self.scenario, self.settings) else 1
 
     def run_one_by_one(self, trials: Sequence[int]) -> dict[int, TrialResult]:
         """The same results as `run`, with every decision asked for and timed."""

@@ -11,9 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.errors import PluginError, shortened
 from fatigue_planner.core.jit import specialised
+from fatigue_planner.core.plugins import origin_of
 from fatigue_planner.core.random_streams import world_stream
 from fatigue_planner.planners.policy import Policy, PolicySettings
+from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import PARTS, bayes, normalise, relative_weights
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.cycles import cycle_of, live_cycle
@@ -37,7 +40,7 @@ def can_be_compiled(scenario: Scenario, settings: PolicySettings) -> bool:
 
 
 def _has(policy: Policy, hook: str) -> bool:
-    """Whether a class of the policy's says how it acts ahead or by rule, and no class derived from it acts otherwise."""
+    """Whether a class of the policy's has `ahead` or `rule`, and no class derived from it acts otherwise."""
     order = type(policy).__mro__
     place = {name: next(i for i, kind in enumerate(order) if name in vars(kind)) for name in (hook, "act", "observe")}
     return order[place[hook]] is not Policy and place[hook] <= min(place["act"], place["observe"])
@@ -63,7 +66,7 @@ def compiled_trials(
     policy, actions, rewards = settings.build(), np.empty(draws.shape, np.int64), np.empty(draws.shape)
     if _has(policy, "ahead"):
         for row, trial in enumerate(trials if policy.draws_at_random else trials[:1]):
-            actions[row:] = settings.build().ahead(belief, n_cycles, planner(trial))
+            actions[row:] = _ahead(settings.build(), belief, n_cycles, planner(trial))
         loop = specialised(follow_all, live_cycle=cycle_of(model))
         returns = loop(model.arrays, starts, actions, draws, len(model.outcomes), model.discount, rewards)
     else:
@@ -78,9 +81,20 @@ def compiled_trials(
     costs = -rewards
     final, peak = costs[:, -1].tolist(), costs.max(axis=1).tolist()
     seconds = (time.perf_counter() - begin) / draws.size
-    taken = map(tuple, actions.tolist())
-    rows = zip(trials, returns.tolist(), final, peak, taken, strict=True)
-    return {trial: TrialResult(total, last, most, seconds, seconds, done) for trial, total, last, most, done in rows}
+    results = {}
+    for row, trial in enumerate(trials):
+        taken = tuple(actions[row].tolist())
+        results[trial] = TrialResult(float(returns[row]), final[row], peak[row], seconds, seconds, taken)
+    return results
+
+
+def _ahead(policy: Policy, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Numbers:
+    """The policy's actions. Raises PluginError if they are not so many actions of the problem."""
+    found, count = np.asarray(policy.ahead(belief, n_cycles, rng)), len(belief.model.actions)
+    if found.shape != (n_cycles,) or found.dtype.kind not in "iu" or found.min() < 0 or found.max() >= count:
+        what = f"{n_cycles} actions from 0 to {count - 1}"
+        raise PluginError(f"{origin_of(type(policy))}: ahead returned {shortened(found)}, not {what}.")
+    return found
 
 
 def _starts(scenario: Scenario, key: tuple[int, str, int], trials: Sequence[int]) -> tuple[Array, Any]:

@@ -37,9 +37,9 @@ class Job(ABC, Generic[T]):
         """The trials to do."""
 
     @property
-    def trials_per_part(self) -> int:
-        """How many trials are done and stored together."""
-        return 5
+    def trials_at_once(self) -> int:
+        """How many trials are best done together."""
+        return 1
 
     @abstractmethod
     def run(self, trials: Sequence[int]) -> dict[int, T]:

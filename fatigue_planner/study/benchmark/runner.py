@@ -5,7 +5,6 @@ published whole. Trials are keyed by job and number, so it does not matter how a
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,6 +21,8 @@ from fatigue_planner.core.files import (
 )
 from fatigue_planner.study.benchmark.job import Job
 
+TRIALS_PER_PART = 5
+
 T = TypeVar("T")
 
 
@@ -34,7 +35,7 @@ class TrialStore:
 
     def add(self, job: Job[T], results: Mapping[int, T]) -> None:
         """Keep some trials of a job. Raises OutputFolderError if they cannot be written."""
-        rows: list[Any] = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]  # type: ignore[call-overload]
+        rows = [{"trial": trial, **vars(results[trial])} for trial in sorted(results)]
         digest = job.digest()
         content = {"cell": job.name, "digest": digest, "trials": rows}
         publish_with_checksum(self._folder(digest) / f"{min(results)}-{max(results)}.json", content)
@@ -92,7 +93,7 @@ def run_grid(
         results.append({trial: finished[trial] for trial in job.trial_numbers() if trial in finished})
         progress(job, len(results[index]))
         missing = [trial for trial in job.trial_numbers() if trial not in finished]
-        size = job.trials_per_part
+        size = max(TRIALS_PER_PART, job.trials_at_once)
         parts += [(index, missing[i : i + size]) for i in range(0, len(missing), size)]
     parts.sort(key=lambda part: -grid[part[0]].effort * len(part[1]))
     lost = []
