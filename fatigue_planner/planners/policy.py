@@ -1,7 +1,7 @@
 """The base classes of a policy, which chooses the robot's action from a belief, and of the settings that build it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from fatigue_planner.core.errors import listed
 from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -119,6 +120,21 @@ class PolicySettings(Settings):
 
 
 POLICIES = Registry("policy", PolicySettings)  # type: ignore[type-abstract]
+
+
+def action_number(chosen: object, names: Sequence[str]) -> int | None:
+    """The number of an action that is given by name or number, None for what is no action."""
+    if isinstance(chosen, str):
+        return names.index(chosen) if chosen in names else None
+    number = chosen.item() if isinstance(chosen, np.generic | np.ndarray) and chosen.ndim == 0 else chosen
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(names):
+        return None
+    return number
+
+
+def expected_action(names: Sequence[str]) -> str:
+    """What an action must be, as a message says it."""
+    return f"{listed(names)}, or a number from 0 to {len(names) - 1}"
 
 
 def plain_decision(action: int, values: Vector, depth: int, duration_s: float, reason: str, belief: Belief) -> Decision:

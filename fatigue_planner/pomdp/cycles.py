@@ -44,20 +44,25 @@ def live_cycle(
 
 def step_all(
     arrays: Any,
+    runs: Numbers,
     states: Array,
     actions: Numbers,
     draws: Array,
+    cycles: Numbers,
     n_outcomes: int,
     outcomes: Numbers,
     observations: Numbers,
     rewards: Vector,
 ) -> None:
-    """Template: a cycle of every run; draws (n, 2): of the outcome and of the observation."""
+    """Template: a cycle of those of n runs that `runs` lists; all but it and `states` (n, L) are (n,).
+
+    draws (n, cycles, 2): of the outcome and of the observation; `cycles`, the number of the cycle, goes up by one.
+    """
     scratch = np.empty(n_outcomes)
-    for i in range(actions.size):
-        outcomes[i], observations[i], rewards[i] = live_cycle(
-            arrays, states[i], actions[i], scratch, draws[i, 0], draws[i, 1]
-        )
+    for i in runs:
+        now = draws[i, cycles[i]]
+        outcomes[i], observations[i], rewards[i] = live_cycle(arrays, states[i], actions[i], scratch, now[0], now[1])
+        cycles[i] += 1
 
 
 def cycle_of(model: Pomdp) -> Any:

@@ -6,43 +6,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-from small_problems import STARTS, belief_in, small_model
+from small_problems import NOISY, SEVERAL, hidden, known
 
 from fatigue_planner.core.errors import PluginError
 from fatigue_planner.planners.baselines import AlternatingPolicy, AlternatingSettings, GreedyPolicy, GreedySettings
 from fatigue_planner.planners.policy import Policy, PolicySettings
 from fatigue_planner.planners.registry import policy
-from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings
-from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
-from fatigue_planner.pomdp.scenario import Scenario, average_worker
+from fatigue_planner.pomdp.beliefs.registry import ParticleSettings
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.study.benchmark import cell as cell_module
 from fatigue_planner.study.benchmark.cell import Cell
 
-EXACT = ExactSettings(kind="exact")
-SEVERAL = np.array([[0.0, 0.0, 0.0], *STARTS])
-ERRING = np.array([[0.8, 0.2], [0.3, 0.7]])
 TRIALS = range(3, 9)
-
-
-def known(expertise: float, starts: np.ndarray, recognition: np.ndarray | None = None) -> Scenario:
-    """A task whose worker is known."""
-    belief = belief_in(small_model(expertise, recognition), starts, np.full(len(starts), 1 / len(starts)))
-    return Scenario(belief.model, belief.states, belief.weights, None, EXACT)
-
-
-def hidden() -> Scenario:
-    """One of four workers, who are novices or of some expertise."""
-    choice = {"kind": "choice", "values": [0.7, 1.4], "probabilities": [0.5, 0.5]}
-    prior = WorkerPrior(
-        HiddenWorker.model_validate({"fatigue_rate_factor": choice, "recovery_rate_factor": choice}, strict=False), 25.0
-    )
-    one = known(0.0, SEVERAL)
-    return replace(one, model=one.model.for_workers(average_worker(prior)), prior=prior)
 
 
 SCENARIOS = {
     "novice": known(0.0, SEVERAL[:1]), "some expertise": known(25.0, SEVERAL), "expert": known(math.inf, SEVERAL),
-    "misrecognised": known(0.0, SEVERAL, ERRING), "hidden": hidden(),
+    "misrecognised": known(0.0, SEVERAL, NOISY), "hidden": hidden(),
 }  # fmt: skip
 RULES: dict[str, Any] = {
     "greedy": "greedy", "lookahead_2": {"kind": "lookahead", "depth": 2},
