@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from fatigue_planner.core.errors import listed
-from fatigue_planner.core.plugins import Registry
+from fatigue_planner.core.plugins import Registry, plugin_sources
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
@@ -109,6 +109,17 @@ class PolicySettings(Settings):
     def actions_named(self) -> dict[str, tuple[str, ...]]:
         """By key of these settings, the actions that it names: the experiment must have them."""
         return {}
+
+    def faults(self) -> list[str]:
+        """What is wrong with them that their form does not show, each with its key."""
+        return []
+
+    def sources(self) -> dict[str, str]:
+        """What decides besides them and the package: digests of a plug-in's sources, and of data, by their names.
+
+        Raises PluginError for what is in no file.
+        """
+        return plugin_sources(type(self))
 
     def plans_endlessly(self) -> bool:
         """Whether it weighs tasks without end, which have no cost without a discount below 1."""

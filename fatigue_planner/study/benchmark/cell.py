@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.files import digest_of_package
-from fatigue_planner.core.plugins import plugin_sources
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
 from fatigue_planner.planners.policy import PolicySettings
@@ -55,7 +54,7 @@ class Cell(Job[TrialResult]):
         """See Job.key."""
         return {
             "cell": [self.condition, self.n_cycles, self.policy, self.seed],
-            "policy": self.settings.plain() | plugin_sources(type(self.settings)),
+            "policy": self.settings.plain() | self.settings.sources(),
             "scenario": self.scenario.digest,
             "sources": digest_of_package(*SOURCES),
             "versions": versions_of(*NUMERICAL_LIBRARIES),
