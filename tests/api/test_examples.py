@@ -17,6 +17,7 @@ OUTPUT = {
     "own_motion_task": "",
     "own_fatigue_law": "",
     "own_report_section": "",
+    "train_agent": "learned",
     "tiger": "Mean return of 50 games",
     "hidden_worker": "knows the truth",
 }
