@@ -166,6 +166,7 @@ def test_a_file_to_begin_with_is_valid_and_never_overwritten(tmp_path: Path) -> 
     assert load_experiment(file).name == "no" and len(file.read_text().splitlines()) < 40
     assert fatplan("init", "mine", "--json", cwd=tmp_path).stdout == '{\n "file": "mine.yaml",\n "name": "mine"\n}\n'
     file.write_text("mine")
+    assert fatplan("init", "other.yaml", cwd=tmp_path).returncode == 0 and (tmp_path / "other.yaml").exists()
     done = fatplan("init", "no", cwd=tmp_path)
     assert done.returncode == 2 and "no.yaml: exists already" in done.stderr and file.read_text() == "mine"
     assert fatplan("init", "../mine", cwd=tmp_path).returncode == 2 and not (tmp_path.parent / "mine.yaml").exists()

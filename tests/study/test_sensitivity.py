@@ -144,6 +144,14 @@ def test_faulty_studies_are_refused_with_one_message(tmp_path: Path, changes: di
     assert str(path.parent) in str(error.value)
 
 
+def test_the_base_is_a_file_or_one_that_ships(tmp_path: Path) -> None:
+    assert load_study(write(tmp_path, {"base": "paper"})).base_file == PAPER
+    (tmp_path / "paper").write_text(PAPER.read_text())
+    assert load_study(write(tmp_path, {"base": "paper"})).base_file == tmp_path / "paper"
+    with pytest.raises(ExperimentError, match=r"papre: neither a file nor the name of one that ships"):
+        load_study(write(tmp_path, {"base": "papre"}))
+
+
 def test_a_part_of_a_key_taken_by_another_factor_is_refused(tmp_path: Path) -> None:
     """natural_posture_deg as a whole, and one angle of it."""
     key = "workers.average_man.natural_posture_deg"

@@ -9,7 +9,7 @@ from typing import Any
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.file_kinds import FileKind
-from fatigue_planner.core.files import find_shipped
+from fatigue_planner.core.files import file_named_in, find_shipped
 from fatigue_planner.experiment.loader import (
     complete_content,
     parse_experiment,
@@ -70,7 +70,7 @@ def load_study(path: Path) -> Study:
     settings = parse_settings(
         StudySettings, read_mapping(path, FileKind.STUDY, ExperimentError), str(path), ExperimentError
     )
-    base_file = path.parent / settings.base
+    base_file = file_named_in(path, settings.base)
     try:
         base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
         content = _with_grid(base_content, settings)
@@ -109,8 +109,8 @@ def load_study(path: Path) -> Study:
 def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
     if settings.claims is None:
         return None
-    claims = load_claims(path.parent / settings.claims)
-    if claims.experiment_file.resolve() != (path.parent / settings.base).resolve():
+    claims = load_claims(file_named_in(path, settings.claims))
+    if claims.experiment_file.resolve() != file_named_in(path, settings.base).resolve():
         raise ExperimentError(
             f"{path}: claims = {settings.claims!r}: are about {claims.experiment_file}, not the base."
         )
