@@ -9,11 +9,15 @@ import pytest
 from small_problems import NOISY, SEVERAL, hidden, known
 
 from fatigue_planner.core.errors import PluginError
+from fatigue_planner.experiment.build import cycle_profiles
+from fatigue_planner.experiment.build import scenario as scenario_of
+from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.baselines import AlternatingPolicy, AlternatingSettings, GreedyPolicy, GreedySettings
 from fatigue_planner.planners.policy import Policy, PolicySettings
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.registry import ParticleSettings
 from fatigue_planner.pomdp.scenario import Scenario
+from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark import cell as cell_module
 from fatigue_planner.study.benchmark.cell import Cell
 
@@ -56,6 +60,16 @@ def test_they_are_those_that_are_run_one_by_one(scenario: str, name: str) -> Non
         assert found == cell.run_one_by_one(TRIALS)  # equal but for the planning times
         assert cell.run([7]) == {7: found[7]}
         assert all(type(value) is not np.float64 for value in vars(found[7]).values())
+
+
+@pytest.mark.parametrize("expertise", [0.0, 500.0])
+def test_beliefs_that_decide_are_the_same(expertise: float, paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """In the paper's task, with three possible starts, what is believed changes what is done from run to run."""
+    condition = paper.benchmark.conditions["multiple_novice"].model_copy(update={"expertise": expertise})
+    one = scenario_of(paper, cycle_profiles(paper, reactions), condition)
+    cell = Cell("c", 40, "greedy", policy("greedy"), one, seed=5, trials=20)
+    found = cell.run(range(10))
+    assert found == cell.run_one_by_one(range(10)) and len({result.actions for result in found.values()}) > 5
 
 
 @pytest.mark.parametrize("name", ORDINARY)

@@ -18,6 +18,7 @@ from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionEr
 from fatigue_planner.core.files import PACKAGE
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.replay import replay
 from fatigue_planner.study.environments.vector import VectorEnvironment
 
 
@@ -33,7 +34,7 @@ PROBLEMS: dict[str, Any] = {
     "novice": known(0.0, SEVERAL[:1]), "some expertise": known(25.0, SEVERAL), "expert": known(math.inf, STARTS),
     "misrecognised": known(0.0, SEVERAL, NOISY), "hidden": hidden(), "tiger": tiger.NO_IDEA,
 }  # fmt: skip
-N_CYCLES = 4
+N_CYCLES = 6
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
@@ -51,6 +52,7 @@ def test_episodes_are_the_trials_of_a_benchmark(name: str) -> None:
         observation, info = first if trial == 0 else task.reset()
         assert observation == len(scenario.model.observations) and set(info) == {"fatigue"}
         total, costs, cut = 0.0, [], []
+        course = replay(cell, trial, result.actions)
         for cycle, action in enumerate(result.actions):
             observation, reward, terminated, truncated, info = task.step(action)
             total += scenario.model.discount**cycle * reward
@@ -58,7 +60,9 @@ def test_episodes_are_the_trials_of_a_benchmark(name: str) -> None:
             cut.append(truncated)
             assert not terminated and set(info) == {"fatigue", "reaction"}
             assert np.mean(info["fatigue"] ** 2) == pytest.approx(-reward, rel=1e-12)
-            assert observation == info["reaction"] or name == "misrecognised"
+            assert observation == course.observations[cycle]
+            assert scenario.model.outcomes[info["reaction"]] == course.reactions[cycle][1]
+            np.testing.assert_array_equal(info["fatigue"], course.fatigue[cycle])
         assert total == pytest.approx(result.discounted_return, rel=1e-12)
         assert (costs[-1], max(costs)) == (result.final_cost, result.peak_cost)  # bit for bit
         assert cut == [False] * (N_CYCLES - 1) + [True]
