@@ -21,7 +21,8 @@ class RandomPolicy(Policy):
         """See Policy.act."""
         begin = time.perf_counter()
         actions = len(belief.model.actions)
-        action = int(rng.integers(actions))
+        legal = belief.going_on().legal_actions()
+        action = int(rng.integers(actions)) if legal.all() else int(rng.choice(np.flatnonzero(legal)))
         return plain_decision(
             action, np.full(actions, np.nan), 0, time.perf_counter() - begin, "drawn at random", belief
         )
@@ -51,6 +52,9 @@ class AlternatingPolicy(Policy):
         """See Policy.act."""
         begin = time.perf_counter()
         actions = len(belief.model.actions)
+        legal = belief.going_on().legal_actions()
+        while not legal[self._cycle % actions]:
+            self._cycle += 1
         action = self._cycle % actions
         self._cycle += 1
         return plain_decision(action, np.full(actions, np.nan), 0, time.perf_counter() - begin, "next in turn", belief)
@@ -82,7 +86,9 @@ class GreedyPolicy(Policy):
         if not self._checked:
             belief.model.check_probabilities(belief.states)
             self._checked = True
-        values = belief.expected_rewards()
+        else:
+            belief.model.check_again(belief.states)
+        values = belief.going_on().expected_rewards()
         duration_s = time.perf_counter() - begin
         return plain_decision(int(values.argmax()), values, 1, duration_s, "best expected reward of one cycle", belief)
 

@@ -9,9 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.jit import inlined_for_any_problem
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.search import leaf_value
 from fatigue_planner.planners.pomcp.tree import Array
+from fatigue_planner.pomdp.parts import is_legal, is_terminal
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
 from fatigue_planner.pomdp.simd import aligned
 
@@ -87,6 +89,10 @@ def best_return(
             continue
         action, observation = levels.branch[level] // observations, levels.branch[level] % observations
         last = level + 1 == depth
+        if observation == 0 and not may(arrays, levels, level, action):
+            values[action] = -np.inf
+            levels.branch[level] += observations
+            continue
         if last and not LEAVES:
             values[action] = expected_now(arrays, levels, workspace, level, action)
             levels.branch[level] += observations
@@ -107,6 +113,20 @@ def best_return(
             level += 1
             levels.size[level] = reached
             levels.branch[level] = 0
+
+
+@inlined_for_any_problem
+def always_may(_arrays: Any, _levels: Levels, _level: int, _action: int) -> bool:
+    """The rule of a problem that forbids nothing."""
+    return True
+
+
+def may(arrays: Any, levels: Levels, level: int, action: int) -> bool:
+    """Template: whether every state of a level's belief permits an action; a task that has ended, any."""
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
+        if not is_terminal(arrays, levels.states[i]) and not is_legal(arrays, levels.states[i], action):
+            return False
+    return True
 
 
 def expected_now(arrays: Any, levels: Levels, workspace: Workspace, level: int, action: int) -> float:

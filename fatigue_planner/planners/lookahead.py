@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError, ProblemError
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, best_return, new_levels
@@ -74,11 +74,17 @@ class LookaheadPolicy(Policy):
 
     def values(self, belief: Belief, rng: np.random.Generator) -> Vector:
         """The return of every action, followed by the best ones, (A,)."""
-        settings, model = self.settings, belief.model
+        settings, model, belief = self.settings, belief.model, belief.going_on()
         if model is not self._model:
             if self._model is None:
                 model.check_probabilities(belief.states)
+            if model.is_continuous:
+                raise ProblemError(
+                    "lookahead goes through every observation; this problem's are continuous: use pomcpow."
+                )
             self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
+        else:
+            model.check_again(belief.states)
         count, width = belief.states.shape
         if self._levels is None or self._levels.begin[1] != count:
             outcomes, actions = len(model.outcomes), len(model.actions)
@@ -90,7 +96,8 @@ class LookaheadPolicy(Policy):
         levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
-        self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
+        with model.told:
+            self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
         return np.asarray(levels.values[0].copy())
 
     def rule(self) -> Rule | None:

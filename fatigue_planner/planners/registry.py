@@ -17,12 +17,13 @@ from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
+from fatigue_planner.planners.pomcp.sparse.pomcpow import PomcpowSettings
 from fatigue_planner.planners.robust_periodic import RobustPeriodicSettings
 from fatigue_planner.planners.threshold import ThresholdSettings
 
 KINDS = (
     RandomSettings, AlternatingSettings, GreedySettings, FixedSettings, PeriodicSettings, RobustPeriodicSettings,
-    ThresholdSettings, PomcpSettings, LookaheadSettings, AgentSettings,
+    ThresholdSettings, PomcpSettings, PomcpowSettings, LookaheadSettings, AgentSettings,
 )  # fmt: skip
 for kind in KINDS:
     POLICIES.add(kind)

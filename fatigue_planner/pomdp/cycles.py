@@ -6,14 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import inlined, specialised
-from fatigue_planner.pomdp.problem import (
-    Pomdp,
-    Vector,
-    advance,
-    draw,
-    observation_probability,
-    outcome_probabilities,
-)
+from fatigue_planner.pomdp.parts import advance, draw, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.problem import Pomdp, Vector
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

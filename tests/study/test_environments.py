@@ -5,8 +5,11 @@ import math
 from pathlib import Path
 from typing import Any
 
+import crying_baby  # examples/crying_baby.py
+import light_dark  # examples/light_dark.py
 import numpy as np
 import pytest
+import rock_sample  # examples/rock_sample.py
 import tiger  # examples/tiger.py
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env, data_equivalence
@@ -14,7 +17,7 @@ from gymnasium.vector import SyncVectorEnv
 from small_problems import NOISY, SEVERAL, STARTS, hidden, known
 
 import fatigue_planner as fp
-from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError
+from fatigue_planner.core.errors import ExitCode, MissingExtraError, ProblemError, SelectionError
 from fatigue_planner.core.files import PACKAGE
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.study.benchmark.cell import Cell
@@ -33,6 +36,7 @@ def imported(path: Path) -> set[str]:
 PROBLEMS: dict[str, Any] = {
     "novice": known(0.0, SEVERAL[:1]), "some expertise": known(25.0, SEVERAL), "expert": known(math.inf, STARTS),
     "misrecognised": known(0.0, SEVERAL, NOISY), "hidden": hidden(), "tiger": tiger.NO_IDEA,
+    "baby": crying_baby.JUST_FED,
 }  # fmt: skip
 N_CYCLES = 6
 
@@ -42,7 +46,7 @@ def test_gymnasiums_check_passes(name: str) -> None:
     check_env(fp.environment(PROBLEMS[name], N_CYCLES), skip_render_check=True)  # a warning is an error
 
 
-@pytest.mark.parametrize("name", [name for name in PROBLEMS if name != "tiger"])
+@pytest.mark.parametrize("name", [name for name in PROBLEMS if name not in ("tiger", "baby")])
 def test_episodes_are_the_trials_of_a_benchmark(name: str) -> None:
     scenario = PROBLEMS[name]
     cell = Cell(scenario.name, N_CYCLES, "random", policy("random"), scenario, seed=11, trials=3)
@@ -84,7 +88,27 @@ def test_many_at_once_are_gymnasiums_own_of_single_ones(name: str) -> None:
             found = ours.step(actions)
             assert data_equivalence(found, theirs.step(actions), exact=True)
             seen |= {*found[1].tolist()}
-    assert len(seen) > (3 if name == "tiger" else 10)
+    assert len(seen) > (3 if name in ("tiger", "baby") else 10)
+
+
+def test_an_episode_ends_where_the_problem_does_and_nothing_forbidden_is_done() -> None:
+    belief = rock_sample.start(rock_sample.rock_sample(3, [(0, 0)]), (0, 1))
+    ours, count = fp.vector_environment(belief, 3, 10), 3
+    theirs = SyncVectorEnv([lambda: fp.environment(belief, 10)] * count)
+    assert data_equivalence(ours.reset(seed=1), theirs.reset(seed=1), exact=True)
+    ended = []
+    for _ in range(9):
+        found = ours.step(["east"] * count)
+        numbers = np.full(count, belief.model.actions.index("east"))
+        assert data_equivalence(found, theirs.step(numbers), exact=True)
+        ended.append(found[2].tolist())
+    assert ended == ([[False] * 3] * 2 + [[True] * 3] + [[False] * 3]) * 2 + [[False] * 3]
+    task = fp.environment(belief, 10)
+    task.reset(seed=1)
+    with pytest.raises(SelectionError, match="action 'west': forbidden in the state"):
+        task.step("west")
+    with pytest.raises(ProblemError, match="one of finitely many observations"):
+        fp.environment(light_dark.NO_IDEA)
 
 
 def test_what_is_returned_is_not_changed_later() -> None:

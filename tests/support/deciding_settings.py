@@ -126,6 +126,13 @@ def _experiment() -> Content:
             "kind": "pomcp", "backup": "mean", "exploration_constant": 0.1, "exploration": "scaled", "seconds": 0.01,
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
         },
+        **{
+            f"widened_{turn}": {
+                "kind": "pomcpow", "exploration_constant": 0.1, "leaf_value": "greedy_rollout", "rollout_cycles": 5,
+                "observations_k": 2.0, "observations_alpha": 0.1, "actions_k": 2.0, "actions_alpha": 0.1, **budget,
+            }
+            for turn, budget in enumerate(({"descents": 20}, {"seconds": 0.01}))
+        },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
         "fixed": {"kind": "fixed", "action": "low"},
         "given": {"kind": "periodic", "sequence": ["high", "low"]},

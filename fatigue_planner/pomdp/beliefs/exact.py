@@ -6,12 +6,13 @@ observation reveals the outcome (paper, section III-B), or where different histo
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fatigue_planner.core.jit import inlined, specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
-from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.problem import Observation, Vector, advance, observation_probability, outcome_probabilities
 
 # No state that remains possible is forgotten, however unlikely: it is what remains if the others turn out to be
 # impossible.
@@ -28,7 +29,7 @@ class ExactBelief(Belief):
     [0.85, 0.15]
     """
 
-    def update(self, action: int, observation: int, rng: np.random.Generator) -> "ExactBelief":
+    def update(self, action: int, observation: Observation, rng: np.random.Generator) -> "ExactBelief":
         """Bayes' rule.
 
         b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
@@ -37,7 +38,11 @@ class ExactBelief(Belief):
         ignored. No weight falls below MIN_WEIGHT. `rng` is not used.
         """
         self.model.check(action, observation)
-        kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
+        permitting = self.permitting(action)
+        if permitting is not self:
+            return permitting.update(action, observation, rng)
+        self.model.check_again(self.states, action)
+        kernel = specialised(bayes, **self.model.belief_parts)
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states, log_weights = kernel(
                 self.model.arrays,
@@ -80,15 +85,12 @@ def normalise(weights: Vector) -> None:
         weights[i] /= total
 
 
-PARTS = ("outcome_probabilities", "advance", "observation_probability")
-
-
 def bayes(
     arrays: object,
     states: Array,
     weights: Vector,
     action: int,
-    observation: int,
+    observation: Any,
     outcomes: int,
     trust_outcome: bool,
     trust_observation: bool,

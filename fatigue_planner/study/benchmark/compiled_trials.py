@@ -18,7 +18,7 @@ from fatigue_planner.core.plugins import origin_of
 from fatigue_planner.core.random_streams import world_stream
 from fatigue_planner.planners.policy import Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.beliefs.exact import PARTS, bayes, normalise, relative_weights
+from fatigue_planner.pomdp.beliefs.exact import bayes, normalise, relative_weights
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.cycles import cycle_of, live_cycle
 from fatigue_planner.pomdp.problem import Vector
@@ -74,7 +74,7 @@ def compiled_trials(
         rule = policy.rule()
         assert rule is not None
         parts = {"live_cycle": cycle_of(model), "choose": rule.choose(model)}
-        parts["bayes"] = specialised(bayes, **{name: model.parts[name] for name in PARTS})
+        parts["bayes"] = specialised(bayes, **model.belief_parts)
         loop = partial(specialised(decide_all, **parts), model.arrays, rule.memory(belief), np.random.default_rng(0))
         rest = (belief.states, belief.weights)
     others = (actions, draws, rewards, len(model.outcomes), model.discount, *rest)

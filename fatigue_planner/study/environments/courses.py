@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.errors import SelectionError, shortened
+from fatigue_planner.core.errors import ProblemError, SelectionError, shortened
 from fatigue_planner.core.random_streams import world_stream
 from fatigue_planner.planners.policy import action_number, expected_action
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -22,13 +22,16 @@ Numbers = NDArray[np.int64]
 class Courses:
     """`count` runs of a scenario, or of any problem from a belief, of n_cycles cycles.
 
-    All arrays are (count,): outcomes and observations of the last cycle, rewards, and cycles, how many are over; states
-    are (count, L). An observation is `nothing_seen`, the number of the problem's observations, before the first cycle.
+    All arrays are (count,): outcomes and observations of the last cycle, rewards, cycles, how many are over, and ended,
+    whether the problem's own end is reached; states are (count, L). An observation is `nothing_seen`, the number of the
+    problem's observations, before the first cycle.
     """
 
     def __init__(self, problem: Scenario | Belief, n_cycles: int, count: int) -> None:
         if n_cycles < 1 or count < 1:
             raise SelectionError(f"n_cycles = {n_cycles}, {count} environments: there must be at least one of each.")
+        if problem.model.is_continuous:
+            raise ProblemError("an environment shows one of finitely many observations; this problem's are continuous.")
         self._scenario = problem if isinstance(problem, Scenario) else None
         self._starts, self._weights = problem.states, problem.weights
         self.model: Pomdp = problem.model
@@ -38,6 +41,7 @@ class Courses:
         self.states = np.zeros((count, problem.states.shape[1]))
         self.outcomes, self.observations = np.zeros(count, np.int64), np.zeros(count, np.int64)
         self.rewards, self.cycles = np.zeros(count), np.full(count, n_cycles)
+        self.ended = np.zeros(count, bool)
         self._draws, self._quantiles = np.zeros((count, n_cycles, 2)), np.zeros((count, 3))
         self._seeds, self._trials = [0] * count, [0] * count
         self._world: Any = self.model.arrays
@@ -63,15 +67,32 @@ class Courses:
                 self._quantiles[run] = world_stream("worker", *key).random(3)
                 self.states[run, -1] = run
             self.observations[run], self.cycles[run] = self.nothing_seen, 0
+            self.ended[run] = self.model.has_ended(self.states[run])
         if prior is not None:
             assert isinstance(self.model, FatiguePomdp)
             self._world = self.model.for_workers(prior.at(self._quantiles)).arrays
 
     def step(self, runs: Numbers, actions: Numbers) -> None:
-        """One cycle of some of the runs, none of which may be over; actions (count,)."""
+        """One cycle of some of the runs, none of which may be over; actions (count,).
+
+        Raises SelectionError for an action that a state forbids.
+        """
+        if self.model.dynamics.is_legal is not None:
+            for run in runs:
+                if not self.model.is_legal(self.states[run], int(actions[run])):
+                    name = self.model.actions[actions[run]]
+                    raise SelectionError(f"action {name!r}: forbidden in the state {self.states[run].tolist()}.")
         outcomes = len(self.model.outcomes)
         seen = (self.outcomes, self.observations, self.rewards)
-        self._step(self._world, runs, self.states, actions, self._draws, self.cycles, outcomes, *seen)
+        with self.model.told:
+            self._step(self._world, runs, self.states, actions, self._draws, self.cycles, outcomes, *seen)
+        if self.model.dynamics.is_terminal is not None:
+            self.ended[runs] = [self.model.has_ended(self.states[run]) for run in runs]
+
+    @property
+    def cut(self) -> NDArray[np.bool_]:
+        """Which runs have had all their cycles without reaching an end."""
+        return np.asarray((self.cycles == self.n_cycles) & ~self.ended)
 
     def numbers_of(self, actions: Any) -> Numbers:
         """Actions (count,) as numbers; they may be given by name. Raises SelectionError for what is no action."""

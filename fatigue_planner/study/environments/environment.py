@@ -21,8 +21,9 @@ class Environment(gymnasium.Env[np.int64, np.int64 | int | str]):
 
     An action is a number or a name. The observation is the number of the reaction that was recognised, the reward -C
     (Eq. 5). Before the first cycle nothing was seen: that is the last number of the observation space. After n_cycles
-    an episode is truncated: the task itself has no end. `info` has what no policy may know: `reaction`, the number of
-    the true one, and `fatigue` (78,); for other problems `outcome` and `state`.
+    an episode is truncated: the task itself has no end; a problem that has one terminates there. `info` has what no
+    policy may know: `reaction`, the number of the true one, and `fatigue` (78,); for other problems `outcome` and
+    `state`.
 
     After `reset(seed=s)` the episodes are the trials 0, 1, ... of a benchmark with this seed.
     """
@@ -48,15 +49,14 @@ class Environment(gymnasium.Env[np.int64, np.int64 | int | str]):
     def step(self, action: np.int64 | int | str) -> tuple[np.int64, float, bool, bool, dict[str, Any]]:
         """One cycle. Raises SelectionError for what is no action, ResetNeeded before the first and after the last."""
         courses = self._courses
-        if courses.cycles[0] == courses.n_cycles:
+        if courses.cycles[0] == courses.n_cycles or courses.ended[0]:
             raise ResetNeeded(f"the episode of {courses.n_cycles} cycles is over, or has not begun: call reset.")
         number = action_number(action, self.model.actions)
         if number is None:
             raise SelectionError(f"action {shortened(action)}: must be {expected_action(self.model.actions)}.")
         courses.step(np.zeros(1, np.int64), np.array([number]))
-        truncated = bool(courses.cycles[0] == courses.n_cycles)
         info = {courses.outcome_name: courses.outcomes[0]} | self._info()
-        return courses.observations[0], float(courses.rewards[0]), False, truncated, info
+        return courses.observations[0], float(courses.rewards[0]), bool(courses.ended[0]), bool(courses.cut[0]), info
 
     def _info(self) -> dict[str, Any]:
         return {name: values[0] for name, values in self._courses.truth().items()}

@@ -67,14 +67,13 @@ class VectorEnvironment(VectorEnv[Numbers, Any, NDArray[Any]]):
         if not self._seeded:
             raise ResetNeeded("no episode has begun: call reset.")
         numbers = courses.numbers_of(actions)
-        over = courses.cycles == courses.n_cycles
+        over = (courses.cycles == courses.n_cycles) | courses.ended
         if over.any():
             courses.begin(np.flatnonzero(over).tolist())
             courses.rewards[over] = 0.0
         courses.step(np.flatnonzero(~over), numbers)
-        truncated = courses.cycles == courses.n_cycles
-        terminated = np.zeros(self.num_envs, bool)
-        return courses.observations.copy(), courses.rewards.copy(), terminated, truncated, self._info(~over)
+        ends = courses.ended.copy(), courses.cut
+        return courses.observations.copy(), courses.rewards.copy(), *ends, self._info(~over)
 
     def _info(self, stepped: Flags) -> dict[str, Any]:
         """What every environment's `info` has, with a mask of those that have it."""
