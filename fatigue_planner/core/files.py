@@ -191,6 +191,11 @@ def digest_of(value: Any) -> str:
     return hashlib.sha256(canonical_json(value).encode()).hexdigest()
 
 
+def digest_of_bytes(content: bytes) -> str:
+    """SHA-256, in hex, of bytes."""
+    return hashlib.sha256(content).hexdigest()
+
+
 def digest_of_files(paths: Iterable[Path]) -> str:
     """SHA-256, in hex, of the names and bytes of files, in the order of their names."""
     digest = hashlib.sha256()

@@ -1,16 +1,17 @@
 """Full-width expectimax over the belief to a depth in cycles: a policy, and what decisions are measured against."""
 
 import time
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from fatigue_planner.core.errors import ExperimentError, ProblemError
+from fatigue_planner.core.jit import specialised
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.planners.expectimax import Levels, new_levels
-from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Vector, plain_decision
-from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
+from fatigue_planner.planners.expectimax import Levels, best_return, new_levels
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Rule, Vector, plain_decision
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
     LEAF_VALUE,
     ROLLOUT_CYCLES,
@@ -18,7 +19,7 @@ from fatigue_planner.planners.pomcp.kernels import (
     bound_arrays_for,
     lookahead_kernel,
 )
-from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.cyclic_plans import most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
@@ -98,6 +99,50 @@ class LookaheadPolicy(Policy):
         with model.told:
             self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
         return np.asarray(levels.values[0].copy())
+
+    def rule(self) -> Rule | None:
+        """See Policy.rule; rollouts draw."""
+        leaf_value = self.settings.leaf_value
+        if leaf_value not in DRAWS_NOTHING:
+            return None
+        return Rule(
+            lambda model: specialised(choose_best, best_return=lookahead_kernel(model, leaf_value)), self._rule_memory
+        )
+
+    def _rule_memory(self, belief: Belief) -> "RuleMemory":
+        settings, model = self.settings, belief.model
+        (count, width), outcomes, actions = belief.states.shape, len(model.outcomes), len(model.actions)
+        return RuleMemory(
+            bound_arrays_for(model, settings.leaf_value),
+            new_levels(count, width, settings.depth, outcomes, actions, model.observation_reveals_outcome),
+            new_workspace(width, outcomes, 0),
+            SearchParameters(0.0, model.discount, settings.rollout_cycles, *tables(0)),
+        )
+
+
+# Leaf values that need no random numbers.
+DRAWS_NOTHING = ("none", "bound")
+
+
+class RuleMemory(NamedTuple):
+    """What `choose_best` works with."""
+
+    bound_arrays: Any
+    levels: Levels
+    workspace: Workspace
+    parameters: SearchParameters
+
+
+def choose_best(arrays: Any, memory: RuleMemory, states: Array, weights: Vector, rng: np.random.Generator) -> int:
+    """Template: the action that LookaheadPolicy takes."""
+    levels = memory.levels
+    for i in range(weights.size):
+        levels.weights[i] = weights[i]
+        for j in range(states.shape[1]):
+            levels.states[i, j] = states[i, j]
+    levels.size[0] = weights.size
+    best_return(arrays, memory.bound_arrays, levels, memory.workspace, memory.parameters, rng)
+    return int(np.argmax(levels.values[0]))
 
 
 class LookaheadSettings(PolicySettings):

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.planners.agent import AgentSettings
 from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
 from fatigue_planner.planners.fixed import FixedSettings
 from fatigue_planner.planners.lookahead import LookaheadSettings
@@ -22,7 +23,7 @@ from fatigue_planner.planners.threshold import ThresholdSettings
 
 KINDS = (
     RandomSettings, AlternatingSettings, GreedySettings, FixedSettings, PeriodicSettings, RobustPeriodicSettings,
-    ThresholdSettings, PomcpSettings, PomcpowSettings, LookaheadSettings,
+    ThresholdSettings, PomcpSettings, PomcpowSettings, LookaheadSettings, AgentSettings,
 )  # fmt: skip
 for kind in KINDS:
     POLICIES.add(kind)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from conftest import PAPER
+from conftest import PAPER, ROOT
 from settings_leaves import Leaf, Path, leaves
 
 from fatigue_planner.core.errors import ExperimentError
@@ -142,6 +142,8 @@ def _experiment() -> Content:
             for turn, workers in enumerate(content["hidden_workers"].values())
         },
         "threshold": {"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.1},
+        "agent": {"kind": "agent", "agent": "agents:Trained", "data": str(ROOT / "LICENSE")},
+        "other_agent": {"kind": "agent", "agent": "agents:Other", "data": str(ROOT / "README.md")},
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}

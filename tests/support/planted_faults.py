@@ -23,6 +23,8 @@ def _in(file: str, *faults: tuple[str, str | tuple[str, ...], str, str]) -> list
     ]
 
 
+AT_ONCE = "study/test_compiled_trials.py::test_they_are_those_that_are_"
+
 FAULTS = (
     *_in("core/files.py",
         ("a reaction's key without the body's data",
@@ -383,6 +385,29 @@ FAULTS = (
         ("a cell's key without the libraries' versions",
          "study/test_benchmark.py::test_key_of_a_cell_knows_sources_and_libraries",
          '"versions": versions_of(*NUMERICAL_LIBRARIES)', '"versions": {}'),
+    ),
+    *_in("study/benchmark/compiled_trials.py",
+        ("runs at once are not discounted", f"{AT_ONCE}run_one_by_one[alternating-novice]",
+         "            factor *= discount\n    return returns", "    return returns"),
+        ("runs at once believe in the start for ever", f"{AT_ONCE}run_one_by_one[greedy-novice]",
+         "believed = states[i : i + 1]", "believed = first_states"),
+        ("a derived policy runs by its parent's actions",
+         "study/test_compiled_trials.py::test_a_policy_derived_from_one_that_is_compiled_is_asked",
+         'place[hook] <= min(place["act"], place["observe"])', "True"),
+    ),
+    *_in("pomdp/cycles.py",
+        ("what is recognised is drawn wrongly",
+         "study/test_environments.py::test_episodes_are_the_trials_of_a_benchmark[misrecognised]",
+         "observation_draw -= probability", "observation_draw -= 2 * probability"),
+    ),
+    *_in("study/environments/courses.py",
+        ("every episode is the first trial",
+         "study/test_environments.py::test_episodes_are_the_trials_of_a_benchmark[novice]",
+         "self._trials[run] += 1", "self._trials[run] += 0"),
+    ),
+    *_in("planners/agent.py",
+        ("an agent's key without its data", "planners/test_agent.py::test_the_key_has_the_source_and_the_data",
+         '| {"data": digest_of_bytes(self._content)}', '| {"data": ""}'),
     ),
     *_in("study/benchmark/trial.py",
         ("the return is not discounted", "study/test_benchmark.py::test_return_is_the_discounted_sum_by_hand",

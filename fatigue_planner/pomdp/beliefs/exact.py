@@ -4,12 +4,13 @@ With finitely many initial states and outcomes nothing has to be sampled. The se
 observation reveals the outcome (paper, section III-B), or where different histories lead to the same state.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fatigue_planner.core.jit import specialised
+from fatigue_planner.core.jit import inlined, specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import Observation, Vector, advance, observation_probability, outcome_probabilities
 
@@ -55,11 +56,33 @@ class ExactBelief(Belief):
             )
             if log_weights.size:
                 break
-        weights = np.maximum(np.exp(log_weights - log_weights.max()), MIN_WEIGHT)
+        relative_weights(log_weights)
+        weights = log_weights
         if weights.size > self.weights.size:
             states, group = np.unique(states, axis=0, return_inverse=True)
             weights = np.bincount(group.ravel(), weights)
-        return ExactBelief(self.model, states, weights / weights.sum(), not (trust_outcome and trust_observation))
+        normalise(weights)
+        return ExactBelief(self.model, states, weights, not (trust_outcome and trust_observation))
+
+
+@inlined
+def relative_weights(log_weights: Vector) -> None:
+    """In place, from log weights: weights of which the largest is 1 and none is below MIN_WEIGHT."""
+    largest = -np.inf
+    for i in range(log_weights.size):
+        largest = max(largest, log_weights[i])
+    for i in range(log_weights.size):
+        log_weights[i] = max(math.exp(log_weights[i] - largest), MIN_WEIGHT)
+
+
+@inlined
+def normalise(weights: Vector) -> None:
+    """Divide weights by their sum, in place."""
+    total = 0.0
+    for i in range(weights.size):
+        total += weights[i]
+    for i in range(weights.size):
+        weights[i] /= total
 
 
 def bayes(
