@@ -1,0 +1,32 @@
+"""The kinds of indicators, and all of them on one job.
+
+A new kind is a file in `indicators` and a name in KINDS; from outside the package, `fatigue_planner.register`.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated
+
+from fatigue_planner.ergonomics.indicator import INDICATORS, Indicator
+from fatigue_planner.ergonomics.indicators.rula import Rula
+from fatigue_planner.ergonomics.operation import Job, Operation
+from fatigue_planner.ergonomics.result import Assessment
+from fatigue_planner.ergonomics.stated import Shift
+
+KINDS = (Rula,)
+for kind in KINDS:
+    INDICATORS.add(kind)
+
+# The settings of any indicator.
+AnyIndicator = Annotated[Indicator, INDICATORS]
+
+
+def evaluate(
+    operations: Sequence[Operation], shift: Shift | None = None, indicators: Sequence[Indicator] | None = None
+) -> tuple[Assessment, ...]:
+    """What indicators say of the operations of a cycle; all indicators by default, in the order of the registry.
+
+    Raises DataFileError if the operations take longer than the cycle.
+    """
+    job = Job(tuple(operations), shift or Shift())
+    chosen = [kind(kind=name) for name, kind in INDICATORS.kinds().items()] if indicators is None else indicators
+    return tuple(indicator.assess(job) for indicator in chosen)
