@@ -1,0 +1,137 @@
+"""What is to be said of motions that follow each other in a cycle: indicators, limits, and what repeating it does."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, TypeVar
+
+from fatigue_planner.core.executors.executor import Executor, Lost
+from fatigue_planner.ergonomics.operation import Operation
+from fatigue_planner.ergonomics.registry import evaluate
+from fatigue_planner.ergonomics.result import Assessment as Judgement
+from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.ergonomics.stated import Circumstances, Shift
+from fatigue_planner.fatigue.parameters import FatigueSettings, fatigue_parameters
+from fatigue_planner.reactions.cache import ReactionCache
+from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.station.assessment import Fatigue, Rule
+from fatigue_planner.station.cycles import Course, cost, peak, settled, shortfall
+from fatigue_planner.station.limits import Breach, breaches
+from fatigue_planner.station.outcomes import Task
+from fatigue_planner.station.schema import Station
+
+T = TypeVar("T")
+
+MINUTES_PER_HOUR = 60.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A worker's motions that make a cycle, in their order, to be judged from the cache folder."""
+
+    station: Station
+    tasks: tuple[Task, ...]
+    cache: Path
+    command: str
+
+    @property
+    def rest_s(self) -> float:
+        """What is left of the cycle in s."""
+        return max(self.station.cycle.duration_s - sum(self._seconds(task) for task in self.tasks), 0.0)
+
+    def _seconds(self, task: Task) -> float:
+        name = task.doing.operation
+        return self.station.operation_s(name) * self.station.operations[name].times_per_cycle
+
+
+class Verdict(NamedTuple):
+    """What was found of a case: its courses (one for each task), fatigue, indicators by kind, limits that it breaks."""
+
+    courses: tuple[Course, ...]
+    fatigue: Fatigue
+    judgements: Mapping[str, Judgement]
+    breaches: tuple[Breach, ...]
+
+    @property
+    def level(self) -> Level:
+        """The worst level that is certain."""
+        return max((level_of(each) for each in self.judgements.values()), default=Level.ACCEPTABLE)
+
+    @property
+    def by(self) -> tuple[Rule, ...]:
+        """The indicators that give this level, where it is above acceptable."""
+        worst = self.level
+        return tuple(
+            Rule(kind, each.title, worst, each.times.not_acceptable_s if each.times else None)
+            for kind, each in self.judgements.items()
+            if worst > Level.ACCEPTABLE and level_of(each) == worst
+        )
+
+
+def level_of(judgement: Judgement) -> Level:
+    """The level that is certain: at the low end of the range."""
+    return judgement.levels[0] if judgement.applies and judgement.levels else Level.ACCEPTABLE
+
+
+def judged(cases: Sequence[Case], executor: Executor) -> Iterator[tuple[int, Verdict]]:
+    """The verdicts of cases, with their index, as they come. Raises what `ReactionCache.stream` raises."""
+    for index, verdict in executor.run(judge, cases):
+        # a case that kills its worker would kill this process, too
+        yield index, judge(cases[index]) if isinstance(verdict, Lost) else verdict
+
+
+def judge(case: Case) -> Verdict:
+    """Everything that is to be said of a case. Raises what `ReactionCache.stream` raises."""
+    station = case.station
+    stored = ReactionCache(case.cache).stream([task.request for task in case.tasks], case.command)
+    reactions = [reaction for reaction in stored if isinstance(reaction, Reaction)]
+    assert len(reactions) == len(case.tasks), "only what was reached is judged"
+    parameters = fatigue_parameters(FatigueSettings(), case.tasks[0].request.motion.maximum_torque)
+    courses = tuple(Course.of(reaction.motion, parameters) for reaction in reactions)
+    times = [station.operations[task.doing.operation].times_per_cycle for task in case.tasks]
+    ends = settled(repeated(courses, times), case.rest_s)
+    highest, entry = peak(ends)
+    short = shortfall(repeated([reaction.motion for reaction in reactions], times), case.rest_s, parameters)
+    fatigue = Fatigue(highest, entry, cost(ends), short.cycle if short else None, short.entry if short else "")
+    operations = [
+        Operation(task.doing.operation, task.request.motion, reaction.motion, stated(station, task.doing.operation))
+        for task, reaction in zip(case.tasks, reactions, strict=True)
+    ]
+    found = {each.indicator: each for each in evaluate(operations, shift_of(station))}
+    broken = [
+        breach
+        for task, reaction, often in zip(case.tasks, reactions, times, strict=True)
+        for breach in breaches(station.limits, task.request.motion.worker.anthropometry(), reaction.motion, often)
+    ]
+    return Verdict(courses, fatigue, found, tuple(broken))
+
+
+def repeated(items: Sequence[T], times: Sequence[int]) -> list[T]:
+    """Every item so many times."""
+    return [item for item, often in zip(items, times, strict=True) for _ in range(often)]
+
+
+def stated(station: Station, operation: str) -> Circumstances:
+    """What is stated of an operation, for the indicators."""
+    said = station.operations[operation]
+    return Circumstances(**{key: getattr(said, key) for key in Circumstances.model_fields})
+
+
+def shift_of(station: Station) -> Shift:
+    """The shift, for the indicators: hours at work, the longest spell between breaks, and the break after it."""
+    shift = station.shift
+    if shift is None:
+        return Shift(cycle_s=station.cycle.duration_s)
+    pauses = sum(each.minutes for each in shift.breaks) / MINUTES_PER_HOUR
+    begin, spells = 0.0, []
+    for each in shift.breaks:
+        spells.append((each.at_min - begin, each.minutes))
+        begin = each.at_min + each.minutes
+    spells.append((MINUTES_PER_HOUR * shift.hours - begin, 0.0))
+    longest, rest = max(spells)
+    return Shift(
+        cycle_s=station.cycle.duration_s,
+        hours=shift.hours - pauses,
+        spell_h=longest / MINUTES_PER_HOUR if longest > 0 else None,
+        break_h=rest / MINUTES_PER_HOUR,
+    )
