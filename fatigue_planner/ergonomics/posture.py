@@ -134,6 +134,12 @@ class PostureCourse:
         }
 
 
+def runs(taken: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Where runs of what is taken (n,) begin, and where they are over: the last instant + 1."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], taken, [False]])))
+    return edges[::2], edges[1::2]
+
+
 def _both(angle_deg: Matrix, name: str) -> Matrix:
     return angle_deg[:, [DEGREES_OF_FREEDOM.index(f"{side}_{name}") for side in SIDES]]
 

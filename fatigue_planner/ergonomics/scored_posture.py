@@ -10,18 +10,13 @@ from pydantic import Field
 
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
+from fatigue_planner.ergonomics.posture import runs
 from fatigue_planner.ergonomics.result import Assessment, Decides, Level, Moment, Phrase, Span, Times
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.human.skeleton import SIDES
 
 Vector = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-# A posture is static if it is held for more than a minute (McAtamney & Corlett 1993; Hignett & McAtamney 2000). It is
-# held while no joint is faster than this, in degrees per s (assumed).
-STATIC_S, STILL_DEGPS = 60.0, 3.0
-# Actions per minute above which work is repeated (both papers).
-REPEATED_PER_MINUTE = 4.0
 
 
 class Scores(NamedTuple):
@@ -39,57 +34,44 @@ class Option(NamedTuple):
     condition: Phrase
 
 
+# A posture is static if it is held for more than a minute (McAtamney & Corlett 1993; Hignett & McAtamney 2000). It is
+# held while no joint is faster than this, in degrees per s (assumed).
+STATIC_S, STILL_DEGPS = 60.0, 3.0
+# The mildest that may be true of what is not stated.
+MILDEST = {
+    "actions_per_minute": 0.0, "shock": False, "rapid_changes": False, "shoulder_raised": False, "coupling": "good",
+}  # fmt: skip
+REPEATED = Option("actions_per_minute", 5.0, Phrase("if repeated more than 4 times a minute"))
+SHOCK = Option("shock", True, Phrase("with shocks"))
+SHOULDER_RAISED = Option("shoulder_raised", True, Phrase("with a raised shoulder"))
+# A foot that bears less than this share of the weight does not support the body evenly (assumed).
+UNEVEN = 0.1
+# Actions per minute above which work is repeated (both papers).
+REPEATED_PER_MINUTE = 4.0
+
+
 class ScoredPosture(Indicator):
     """A score of the posture at each instant. Inputs that are not stated are first as mild as they can be."""
 
-    # Where the levels INVESTIGATE and NOT_ACCEPTABLE begin, and the method's own words from each score on.
+    # Where the levels begin in which the method finds that a change may be needed, or wants it soon or at once; and its
+    # own words from each score on.
     bounds: ClassVar[tuple[int, int]]
     words: ClassVar[Mapping[int, str]]
-    # The fewest and the most points of each part of the body, to say which is worst.
-    most_points: ClassVar[Mapping[str, tuple[int, int]]]
-
-    twisted_deg: float = Field(
-        default=20,
-        gt=0,
-        lt=90,
-        description="From where on trunk or neck count as twisted, in degrees; the paper gives no number.",
-    )
-    side_bent_deg: float = Field(
-        default=10,
-        gt=0,
-        lt=90,
-        description="From where on trunk or neck count as bent sideways, in degrees; the paper gives no number.",
-    )
-    abducted_deg: float = Field(
-        default=30,
-        gt=0,
-        lt=90,
-        description="From where on the upper arm counts as abducted, in degrees; the paper gives no number.",
-    )
-    deviated_deg: float = Field(
-        default=20,
-        gt=0,
-        lt=90,
-        description="From where on the wrist counts as bent from its midline, in degrees; the paper gives no number.",
-    )
-    tolerance_deg: float = Field(
-        default=5,
-        ge=0,
-        lt=20,
-        description="Up to where a joint counts as straight, in degrees; the paper says 0, where nobody stands.",
-    )
+    # The fewest points of each part of the body, to say which is worst.
+    least_points: ClassVar[Mapping[str, int]]
 
     @abstractmethod
     def scores(self, operation: Operation, stated: Circumstances) -> Scores:
         """The scores of an operation, under circumstances in which all that matters is stated."""
 
-    @abstractmethod
     def options(self, operation: Operation) -> Sequence[Option]:
         """What an input that matters and is not stated may be, each but the mildest; the worst of an input last."""
+        return ()
 
-    @abstractmethod
     def mildest(self, operation: Operation) -> Circumstances:
         """The circumstances with everything that is not stated as mild as it can be."""
+        stated = operation.stated
+        return stated.model_copy(update={key: value for key, value in MILDEST.items() if getattr(stated, key) is None})
 
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """What has to be known beside the score."""
@@ -122,8 +104,9 @@ class ScoredPosture(Indicator):
             high.append(self.scores(operation, everything))
         most = max(int(scores.total.max()) for scores in high)
         found = int(np.argmax([scores.total.max() for scores in low]))
-        instant, side = np.unravel_index(int(low[found].total.argmax()), low[found].total.shape)
-        parts = {name: int(_of_side(points, int(side))[instant]) for name, points in low[found].points.items()}
+        side = int(low[found].total.max(axis=0).argmax())
+        instant = _middle_of_longest(low[found].total[:, side] == best)
+        parts = {name: int(_of_side(points, side)[instant]) for name, points in low[found].points.items()}
         one_sided = any(points.ndim > 1 for points in low[found].points.values())
         return Assessment(
             indicator=self.kind,
@@ -139,7 +122,7 @@ class ScoredPosture(Indicator):
             worst=Moment(
                 operation=job.operations[found].name,
                 time_s=float(job.operations[found].posture.time_s[instant]),
-                side=SIDES[int(side)] if one_sided else "",
+                side=SIDES[side] if one_sided else "",
                 part=self._worst_part(parts),
             ),
             parts=parts,
@@ -155,17 +138,83 @@ class ScoredPosture(Indicator):
         return Times(*seconds.tolist())
 
     def _worst_part(self, parts: Mapping[str, int]) -> str:
-        """The part of the body with the largest share of the points that it can have."""
-        share = {name: (parts[name] - least) / (most - least) for name, (least, most) in self.most_points.items()}
-        return max(share, key=lambda name: share[name])
+        """The part of the body with the most points above the fewest that it can have."""
+        return max(self.least_points, key=lambda name: parts[name] - self.least_points[name])
+
+
+class JointThresholds(ScoredPosture):
+    """The thresholds that RULA and REBA leave open, and what both count alike."""
+
+    twisted_deg: float = Field(
+        default=20,
+        gt=0,
+        lt=90,
+        description="From where on trunk or neck count as twisted, in degrees; the paper gives no number.",
+    )
+    side_bent_deg: float = Field(
+        default=10,
+        gt=0,
+        lt=90,
+        description="From where on trunk or neck count as bent sideways, in degrees; the paper gives no number.",
+    )
+    abducted_deg: float = Field(
+        default=30,
+        gt=0,
+        lt=90,
+        description="From where on the upper arm counts as abducted, in degrees; the paper gives no number.",
+    )
+    deviated_deg: float = Field(
+        default=20,
+        gt=0,
+        lt=90,
+        description="From where on the wrist counts as bent from its midline, in degrees; the paper gives no number.",
+    )
+    tolerance_deg: float = Field(
+        default=5,
+        ge=0,
+        lt=20,
+        description="Up to where a joint counts as straight, in degrees; the paper says 0, where nobody stands.",
+    )
+
+    def turned(self, twist_deg: Vector, side_deg: Vector) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Whether trunk or neck are twisted, and whether they are bent sideways, each (n,)."""
+        return np.abs(twist_deg) > self.twisted_deg, np.abs(side_deg) > self.side_bent_deg
+
+    def remarks(self, job: Job) -> tuple[Phrase, ...]:
+        """See ScoredPosture.remarks."""
+        text = "Twisted from {twisted:g}°, bent sideways from {bent:g}°, abducted from {abducted:g}°, wrist deviated "
+        text += "from {deviated:g}°: the paper gives no numbers."
+        values = {"twisted": self.twisted_deg, "bent": self.side_bent_deg, "abducted": self.abducted_deg}
+        return (Phrase(text, values | {"deviated": self.deviated_deg}),)
+
+
+def upper_arm_points(to_trunk_deg: Vector) -> Integers:
+    """Points of the upper arm against the trunk, negative backwards: RULA and REBA."""
+    raised = 1 + (to_trunk_deg > 20).astype(np.int64) + (to_trunk_deg > 45) + (to_trunk_deg > 90)
+    return np.asarray(np.where(to_trunk_deg < -20, 2, raised))
+
+
+def lower_arm_points(elbow_deg: Vector) -> Integers:
+    """Points of the lower arm: RULA and REBA."""
+    return np.asarray(np.where((elbow_deg >= 60) & (elbow_deg <= 100), 1, 2))
+
+
+def one_foot(operation: Operation) -> NDArray[np.bool_]:
+    """Whether one foot bears nearly all of the weight, (n,)."""
+    return np.asarray(operation.posture.foot_share.min(axis=1) < UNEVEN)
+
+
+def _middle_of_longest(taken: NDArray[np.bool_]) -> int:
+    """The middle of the longest run."""
+    first, last = runs(taken)
+    longest = int((last - first).argmax())
+    return int(first[longest] + last[longest]) // 2
 
 
 def is_static(operation: Operation) -> bool:
     """Whether a posture is held for more than a minute."""
-    fast = operation.posture.speed_degps > STILL_DEGPS
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], fast, [True]])))
-    longest = int((edges[1::2] - edges[::2]).max(initial=0))
-    return longest * operation.posture.step_s > STATIC_S
+    first, last = runs(operation.posture.speed_degps <= STILL_DEGPS)
+    return int((last - first).max(initial=0)) * operation.posture.step_s > STATIC_S
 
 
 def _of_side(points: Integers, side: int) -> Integers:

@@ -138,5 +138,5 @@ def test_a_result_is_plain_data(reactions: tuple[Reaction, ...]) -> None:
     assert plain["parts"]["score C"] == plain["parts"]["score A"] + plain["parts"]["force of the arm"]
     assert list(plain["times"]) == ["acceptable_s", "investigate_s", "not_acceptable_s"]
     assert [Rula().level_of(score) for score in (1, 2, 3, 6, 7)] == [
-        Level.ACCEPTABLE, Level.ACCEPTABLE, Level.INVESTIGATE, Level.INVESTIGATE, Level.NOT_ACCEPTABLE,
+        Level.ACCEPTABLE, Level.ACCEPTABLE, Level.INVESTIGATE, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE,
     ]  # fmt: skip

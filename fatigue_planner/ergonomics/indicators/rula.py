@@ -7,14 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.result import Origin, Phrase
+from fatigue_planner.ergonomics.operation import Operation
+from fatigue_planner.ergonomics.result import Origin
 from fatigue_planner.ergonomics.scored_posture import (
+    REPEATED,
     REPEATED_PER_MINUTE,
+    SHOCK,
+    SHOULDER_RAISED,
+    JointThresholds,
     Option,
-    ScoredPosture,
     Scores,
     is_static,
+    lower_arm_points,
+    one_foot,
+    upper_arm_points,
 )
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.human.joint_data import ranges_of_motion
@@ -55,8 +61,6 @@ TABLE_C = np.array([
 NEAR_END = 0.75
 # The hand works out to the side of the body from this far beyond the shoulder, in m (assumed).
 OUT_TO_SIDE_M = 0.25
-# A foot that bears less than this share of the weight does not support the body evenly (assumed).
-UNEVEN = 0.1
 
 
 def table_a(upper_arm: Integers, lower_arm: Integers, wrist: Integers, twist: Integers) -> Integers:
@@ -74,7 +78,7 @@ def table_c(c: Integers, d: Integers) -> Integers:
     return np.asarray(TABLE_C[np.minimum(c, 8) - 1, np.minimum(d, 7) - 1])
 
 
-class Rula(ScoredPosture):
+class Rula(JointThresholds):
     """RULA for both sides: the worse one counts. The force of a load counts for the arm that bears it."""
 
     title: ClassVar[str] = "RULA"
@@ -82,37 +86,23 @@ class Rula(ScoredPosture):
         "McAtamney & Corlett 1993; table A of the widespread worksheet; upper arm neutral to 20°; static from 1 min"
     )
     origin: ClassVar[Origin] = Origin.AGREED
-    bounds: ClassVar[tuple[int, int]] = (3, 7)
+    bounds: ClassVar[tuple[int, int]] = (3, 5)
     words: ClassVar[Mapping[int, str]] = {
         1: "acceptable if not held or repeated for long",
         3: "investigate further; change may be needed",
         5: "investigate further and change soon",
         7: "investigate and change immediately",
     }
-    most_points: ClassVar[Mapping[str, tuple[int, int]]] = {
-        "trunk": (1, 6), "neck": (1, 6), "upper arm": (1, 6), "lower arm": (1, 3), "wrist": (1, 4), "legs": (1, 2),
-    }  # fmt: skip
+    least_points: ClassVar[Mapping[str, int]] = dict.fromkeys(
+        ("trunk", "neck", "upper arm", "lower arm", "wrist", "legs"), 1
+    )
 
     kind: Literal["rula"] = Field(default="rula", description="RULA (McAtamney & Corlett 1993).")
 
     def options(self, operation: Operation) -> Sequence[Option]:
         """See ScoredPosture.options."""
-        stated = operation.stated
-        found = []
-        if stated.actions_per_minute is None and not is_static(operation):
-            found.append(Option("actions_per_minute", 5.0, Phrase("if repeated more than 4 times a minute")))
-        if stated.shock is None:
-            found.append(Option("shock", True, Phrase("with shocks")))
-        if stated.shoulder_raised is None:
-            found.append(Option("shoulder_raised", True, Phrase("with a raised shoulder")))
-        return found
-
-    def mildest(self, operation: Operation) -> Circumstances:
-        """See ScoredPosture.mildest."""
-        mild = {"actions_per_minute": 0.0, "shock": False, "shoulder_raised": False}
-        return operation.stated.model_copy(
-            update={key: value for key, value in mild.items() if getattr(operation.stated, key) is None}
-        )
+        unknown = (SHOCK, SHOULDER_RAISED) if is_static(operation) else (REPEATED, SHOCK, SHOULDER_RAISED)
+        return [option for option in unknown if getattr(operation.stated, option.key) is None]
 
     def scores(self, operation: Operation, stated: Circumstances) -> Scores:
         """See ScoredPosture.scores."""
@@ -154,15 +144,10 @@ class Rula(ScoredPosture):
         neck = np.where(seen.neck_deg < -self.tolerance_deg, 4, 1 + (seen.neck_deg > 10) + (seen.neck_deg > 20))
         trunk = 1 + (np.abs(seen.trunk_deg) > self.tolerance_deg) + (seen.trunk_deg > 20) + (seen.trunk_deg > 60)
         return {
-            "neck": neck + self._turned(seen.neck_twist_deg, seen.neck_side_deg),
-            "trunk": trunk + self._turned(seen.trunk_twist_deg, seen.trunk_side_deg),
-            "legs": 1 + (seen.foot_share.min(axis=1) < UNEVEN),
+            "neck": neck + sum(self.turned(seen.neck_twist_deg, seen.neck_side_deg)),
+            "trunk": trunk + sum(self.turned(seen.trunk_twist_deg, seen.trunk_side_deg)),
+            "legs": 1 + one_foot(operation),
         }
-
-    def _turned(self, twist_deg: NDArray[np.float64], side_deg: NDArray[np.float64]) -> Integers:
-        """One point for a twist and one for a side bend."""
-        twisted, bent = np.abs(twist_deg) > self.twisted_deg, np.abs(side_deg) > self.side_bent_deg
-        return np.asarray(twisted.astype(np.int64) + bent)
 
     @staticmethod
     def force_points(load_kg: NDArray[np.float64], static: bool, shock: bool) -> Integers:
@@ -174,21 +159,3 @@ class Rula(ScoredPosture):
             return np.full(load_kg.shape, 3)
         over = (load_kg >= 2).astype(np.int64) + (load_kg > 10)
         return np.asarray(np.where(over > 0, over + int(static), 0))
-
-    def remarks(self, job: Job) -> tuple[Phrase, ...]:
-        """See ScoredPosture.remarks."""
-        text = "Twisted from {twisted:g}°, bent sideways from {bent:g}°, abducted from {abducted:g}°, wrist deviated "
-        text += "from {deviated:g}°: the paper gives no numbers."
-        values = {"twisted": self.twisted_deg, "bent": self.side_bent_deg, "abducted": self.abducted_deg}
-        return (Phrase(text, values | {"deviated": self.deviated_deg}),)
-
-
-def upper_arm_points(to_trunk_deg: NDArray[np.float64]) -> Integers:
-    """Points of the upper arm against the trunk, negative backwards: RULA and REBA."""
-    raised = 1 + (to_trunk_deg > 20).astype(np.int64) + (to_trunk_deg > 45) + (to_trunk_deg > 90)
-    return np.asarray(np.where(to_trunk_deg < -20, 2, raised))
-
-
-def lower_arm_points(elbow_deg: NDArray[np.float64]) -> Integers:
-    """Points of the lower arm: RULA and REBA."""
-    return np.asarray(np.where((elbow_deg >= 60) & (elbow_deg <= 100), 1, 2))
