@@ -61,11 +61,7 @@ class HeldPosture(Indicator):
         low, high = (self._summed(job, raised) for raised in (False, True))
         best, most = low.times.not_acceptable_s, high.times.not_acceptable_s
         raised = Decides("shoulder_raised", Phrase("with a raised shoulder"), most)
-        return Assessment(
-            indicator=self.kind,
-            title=self.title,
-            edition=self.edition,
-            origin=self.origin,
+        return self.answer(
             value=Span(best, most),
             digits=1,
             unit="s",

@@ -1,7 +1,7 @@
 """What every kind of indicator is: a published method that judges a job; thresholds that it leaves open are keys."""
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
@@ -24,9 +24,13 @@ class Indicator(Settings):
     def assess(self, job: Job) -> Assessment:
         """What the method says of the operations of a cycle."""
 
+    def answer(self, **found: Any) -> Assessment:
+        """What the method finds, with its name, edition and origin."""
+        return Assessment(self.kind, self.title, self.edition, self.origin, **found)
+
     def does_not_apply(self, reason: Phrase) -> Assessment:
         """The answer where the method may not be used."""
-        return Assessment(self.kind, self.title, self.edition, self.origin, applies=False, reason=reason)
+        return self.answer(applies=False, reason=reason)
 
 
 INDICATORS = Registry("indicator", Indicator)  # type: ignore[type-abstract]

@@ -9,6 +9,7 @@ from typing import Annotated
 from fatigue_planner.ergonomics.indicator import INDICATORS, Indicator
 from fatigue_planner.ergonomics.indicators.en_1005_4 import En10054
 from fatigue_planner.ergonomics.indicators.iso_11226 import Iso11226
+from fatigue_planner.ergonomics.indicators.niosh_lifting import NioshLifting
 from fatigue_planner.ergonomics.indicators.owas import Owas
 from fatigue_planner.ergonomics.indicators.reba import Reba
 from fatigue_planner.ergonomics.indicators.rula import Rula
@@ -16,7 +17,7 @@ from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.result import Assessment
 from fatigue_planner.ergonomics.stated import Shift
 
-KINDS = (Rula, Reba, Iso11226, En10054, Owas)
+KINDS = (Rula, Reba, Iso11226, En10054, Owas, NioshLifting)
 for kind in KINDS:
     INDICATORS.add(kind)
 

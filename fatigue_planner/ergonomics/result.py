@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
+from math import isfinite
 from typing import Any, NamedTuple
 
 
@@ -57,8 +58,13 @@ class Span(NamedTuple):
 
     def text(self, digits: int) -> str:
         """`3` or `3 to 5`."""
-        low, high = (f"{value:.{digits}f}" for value in self)
+        low, high = (printed(value, digits) for value in self)
         return low if low == high else f"{low} to {high}"
+
+
+def printed(value: float, digits: int) -> str:
+    """A value with so many decimals; an infinite one as its sign."""
+    return f"{value:.{digits}f}" if isfinite(value) else "∞"
 
 
 class Decides(NamedTuple):
@@ -125,13 +131,13 @@ class Assessment:
         """The value with what decides it, in a line: `3 (4 if repeated more than 4 times a minute)`."""
         if self.value is None:
             return f"does not apply: {self.reason}"
-        known = f"{self.value.low:.{self.digits}f}{f' {self.unit}' if self.unit else ''}"
-        more = "; ".join(f"{one.value:.{self.digits}f} {one.condition}" for one in self.decides)
-        most = f"; {self.value.high:.{self.digits}f} if all" if len(self.decides) > 1 else ""
+        known = f"{printed(self.value.low, self.digits)}{f' {self.unit}' if self.unit else ''}"
+        more = "; ".join(f"{printed(one.value, self.digits)} {one.condition}" for one in self.decides)
+        most = f"; {printed(self.value.high, self.digits)} if all" if len(self.decides) > 1 else ""
         return f"{known} ({more}{most})" if more else known
 
     def plain(self) -> dict[str, Any]:
-        """All of it as JSON values; levels and origin in words."""
+        """All of it as JSON values; levels and origin in words, an infinite number as the text "Infinity"."""
         return {
             "indicator": self.indicator,
             "title": self.title,
@@ -139,14 +145,18 @@ class Assessment:
             "origin": self.origin.words,
             "applies": self.applies,
             "reason": None if self.reason is None else str(self.reason),
-            "value": None if self.value is None else self.value._asdict(),
+            "value": None if self.value is None else {end: _finite(v) for end, v in self.value._asdict().items()},
             "unit": self.unit,
             "levels": None if self.levels is None else [level.words for level in self.levels],
             "words": None if self.words is None else list(self.words),
-            "decides": [{"key": d.key, "condition": str(d.condition), "value": d.value} for d in self.decides],
+            "decides": [{"key": d.key, "condition": str(d.condition), "value": _finite(d.value)} for d in self.decides],
             "times": None if self.times is None else self.times._asdict(),
             "times_most": None if self.times_most is None else self.times_most._asdict(),
             "worst": None if self.worst is None else self.worst._asdict(),
             "parts": dict(self.parts),
             "remarks": [str(remark) for remark in self.remarks],
         }
+
+
+def _finite(value: float) -> float | str:
+    return value if isfinite(value) else "Infinity"

@@ -108,11 +108,7 @@ class ScoredPosture(Indicator):
         instant = _middle_of_longest(low[found].total[:, side] == best)
         parts = {name: int(_of_side(points, side)[instant]) for name, points in low[found].points.items()}
         one_sided = any(points.ndim > 1 for points in low[found].points.values())
-        return Assessment(
-            indicator=self.kind,
-            title=self.title,
-            edition=self.edition,
-            origin=self.origin,
+        return self.answer(
             value=Span(best, most),
             levels=(Level(int(self.level_of(best))), Level(int(self.level_of(most)))),
             words=(self.words_of(best), self.words_of(most)),
