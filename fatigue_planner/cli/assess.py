@@ -23,6 +23,9 @@ def assess(
     explain: Annotated[
         bool, typer.Option("--explain", help="Print the experiments that the station becomes (YAML), and stop.")
     ] = False,
+    changes: Annotated[
+        bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
+    ] = False,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     jobs: options.Jobs = options.ALL_CORES,
@@ -37,6 +40,7 @@ def assess(
     from fatigue_planner.core.files import writable_folder
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.assess import assess as assess_station
+    from fatigue_planner.station.changes import changed_stations
     from fatigue_planner.station.loader import load_station
     from fatigue_planner.station.outcomes import tasks_of
     from fatigue_planner.station.tables import plain, write
@@ -48,8 +52,12 @@ def assess(
     folder = writable_folder(output or results / settings.name)
     executor, store = options.executor_of(jobs, None), ReactionCache(cache)
     command = options.command_line("assess", station, cache, results)
-    with progress("Simulating", len(tasks_of(settings)), kept=("motions", cache)) as counter:
-        found = assess_station(settings, store, executor, command, lambda made: counter.advance(pieces=made.kept))
+    stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
+    motions = sum(len(tasks_of(each)) for each in stations)
+    with progress("Simulating", motions, kept=("motions", cache)) as counter:
+        found = assess_station(
+            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes
+        )
     warn(store.damaged)
     document = plain(found)
     files = write(found, folder, options.json_text(document))

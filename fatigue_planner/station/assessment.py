@@ -81,14 +81,15 @@ class Fatigue:
 
 
 class Rule(NamedTuple):
-    """An indicator that finds a worse level than acceptable: its kind and title, the level, and seconds per cycle that
-    are not acceptable; None of a method that does not judge postures.
+    """An indicator that finds a worse level than acceptable: its kind and title, the level, seconds per cycle that are
+    not acceptable (None of a method that does not judge postures), and the part of the body where it is worst.
     """
 
     kind: str
     title: str
     level: Level
     not_acceptable_s: float | None
+    part: str
 
 
 @dataclass(frozen=True)
@@ -197,19 +198,28 @@ class ReachShare:
 
 @dataclass(frozen=True)
 class Change:
-    """What one change of the station would do, computed: the recommendation after it beside the one before it."""
+    """What one change of the station would do, computed: the recommendation after it beside the one before it.
+
+    places, peak, cost  what is recommended after it, as in BestPlaces
+    saving       what of the cost of fatigue before it saves, as a share; None without a recommendation before or after
+    reached_by_all, allowed, of_places  how many places of operations all workers reach, how many are allowed, of all
+    """
 
     change: Phrase
-    level: Level | None
+    places: Mapping[str, str]
     peak: float | None
     cost: float | None
+    saving: float | None
     reached_by_all: int
+    allowed: int
     of_places: int
 
 
 @dataclass(frozen=True)
 class Rotation:
-    """The best repeated sequence of places where the cycle may have another place every time."""
+    """The best repeated sequence of places where every cycle may have others, and what it saves over the best places
+    for ever, as a share of the cost of fatigue. exact: all sequences that are no longer were looked at.
+    """
 
     sequence: tuple[Mapping[str, str], ...]
     saving: float

@@ -1,9 +1,15 @@
 """From a station to experiments of the usual kind, one for every operation and hand: everything works on them."""
 
 import hashlib
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Self
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
 
 from fatigue_planner.core.settings import MAX_NAME_LENGTH
 from fatigue_planner.experiment.defaults import usual_preferences
@@ -16,6 +22,8 @@ from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
 from fatigue_planner.station.schema import HandTool, Place, Station, StationOperation
 from fatigue_planner.station.workers import worker_of
+
+Vector = NDArray[np.float64]
 
 SIDES: tuple[Side, ...] = ("right", "left")
 # Half the ticks of an experiment, with the gain of the hand that they allow; what it changes: docs/deviations.md.
@@ -91,28 +99,52 @@ def ways_of(station: Station, actions: Mapping[str, Action]) -> dict[str, Prefer
 def action_of(station: Station, operation: StationOperation, place: str, hands: tuple[Side, ...]) -> Action:
     """What the hands do at a place: where they are held, and what they bear.
 
-    Shoes raise the worker, so places are lower by their soles. Who works with the left hand because it is the better
-    one stands so that everything is mirrored, if the feet are free.
+    Shoes raise the worker, so places are lower by their soles. A worker whose feet are free faces the place; who then
+    works with the left hand because it is the better one does so in the mirror.
     """
-    at = station.places[place]
-    mirrored = hands == ("left",) and operation.hand == "either" and station.feet == "free"
-    apart = operation.grip_width_m / 2 if len(hands) > 1 else 0.0
-    goals = {f"{side}_hand": _goal(station, at, mirrored, apart if side == "left" else -apart) for side in hands}
+    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand == "either")
+    at, apart = station.places[place], operation.grip_width_m / 2 if len(hands) > 1 else 0.0
+    goals = {f"{side}_hand": _goal(station, at, view, apart if side == "left" else -apart) for side in hands}
     named = at.tool or operation.tool
-    loads = _loads(station, operation, station.tools[named], hands, mirrored) if named else ()
+    loads = _loads(station, operation, station.tools[named], hands, view) if named else ()
     return Action(loads=loads, **goals)
 
 
-def _goal(station: Station, at: Place, mirrored: bool, aside_m: float) -> HandGoal:
-    y, turn = (-at.y if mirrored else at.y) + aside_m, at.orientation_deg
-    if turn is not None and mirrored:
-        turn = Orientation(x=-turn.x, y=turn.y, z=-turn.z)
-    position = Position(x=at.x, y=round(y, 4), z=round(max(at.z - station.shoes_m, 0.0), 4))
-    return HandGoal(position_m=position, orientation_deg=turn)
+@dataclass(frozen=True)
+class View:
+    """The axes of a worker whose feet are turned by an angle in rad, in the mirror or not."""
+
+    turned_rad: float
+    mirrored: bool
+
+    @classmethod
+    def of(cls, station: Station, place: str, mirrored: bool) -> Self:
+        """That of a worker at a place: straight ahead if the feet are free."""
+        at = station.places[place]
+        return cls(math.atan2(at.y, at.x), mirrored) if station.feet == "free" else cls(0.0, False)
+
+    def vector(self, world: Vector) -> Vector:
+        """A vector (3,) of the station in the worker's axes."""
+        turned = np.asarray(pin.rpy.rpyToMatrix(0.0, 0.0, -self.turned_rad) @ world)
+        return np.array([1.0, -1.0, 1.0]) * turned if self.mirrored else turned
+
+    def orientation(self, world: Orientation) -> Orientation:
+        """An orientation of the station in the worker's axes."""
+        if self.turned_rad == 0 and not self.mirrored:
+            return world
+        rotation = pin.rpy.rpyToMatrix(0.0, 0.0, -self.turned_rad) @ world.rotation()
+        x, y, z = np.degrees(pin.rpy.matrixToRpy(rotation)).round(4).tolist()
+        return Orientation(x=-x, y=y, z=-z) if self.mirrored else Orientation(x=x, y=y, z=z)
+
+
+def _goal(station: Station, at: Place, view: View, aside_m: float) -> HandGoal:
+    x, y, z = (view.vector(at.vector()) + np.array([0.0, aside_m, -station.shoes_m])).round(4).tolist()
+    turn = None if at.orientation_deg is None else view.orientation(at.orientation_deg)
+    return HandGoal(position_m=Position(x=x, y=y + 0.0, z=max(z, 0.0)), orientation_deg=turn)
 
 
 def _loads(
-    station: Station, operation: StationOperation, tool: HandTool, hands: tuple[Side, ...], mirrored: bool
+    station: Station, operation: StationOperation, tool: HandTool, hands: tuple[Side, ...], view: View
 ) -> tuple[Load, ...]:
     """Mass and force of a tool in every hand that holds it, shared alike."""
     found: list[Load] = []
@@ -122,8 +154,8 @@ def _loads(
         if tool.mass_kg > 0:
             found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share))
         if tool.force_n is not None:
-            force = tool.force_n
-            full = {"x": force.x * share, "y": force.y * share * (-1 if mirrored else 1), "z": force.z * share}
+            force = view.vector(share * np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z]))
+            full = dict(zip("xyz", (force.round(4) + 0.0).tolist(), strict=True))
             course = ((begin, False), (begin + rise, True), (end - rise, True), (end, False))
             points = tuple(TimedForce(cycle_time_s=time, **(full if on else {})) for time, on in course)
             found.append(HandForce(kind="force", hand=side, frame="world", force_n=points))

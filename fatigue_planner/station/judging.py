@@ -1,21 +1,21 @@
 """What is to be said of motions that follow each other in a cycle: indicators, limits, and what repeating it does."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-from fatigue_planner.core.executors.executor import Executor, Lost
 from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Level
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
-from fatigue_planner.fatigue.parameters import FatigueSettings, fatigue_parameters
+from fatigue_planner.fatigue.load import cycle_profile
+from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.parameters import FatigueParameters, FatigueSettings, fatigue_parameters
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.station.assessment import Fatigue, Rule
-from fatigue_planner.station.cycles import Course, cost, peak, settled, shortfall
+from fatigue_planner.station.cycles import Course, Stretch, cost, peak, settled, shortfall
 from fatigue_planner.station.limits import Breach, breaches
 from fatigue_planner.station.outcomes import Task
 from fatigue_planner.station.schema import Station
@@ -31,17 +31,31 @@ class Case:
 
     station: Station
     tasks: tuple[Task, ...]
-    cache: Path
+    cache: ReactionCache
     command: str
 
     @property
     def rest_s(self) -> float:
         """What is left of the cycle in s."""
-        return max(self.station.cycle.duration_s - sum(self._seconds(task) for task in self.tasks), 0.0)
+        names = [task.doing.operation for task in self.tasks]
+        busy_s = sum(self.station.operation_s(name) * often for name, often in zip(names, self.times, strict=True))
+        return max(self.station.cycle.duration_s - busy_s, 0.0)
 
-    def _seconds(self, task: Task) -> float:
-        name = task.doing.operation
-        return self.station.operation_s(name) * self.station.operations[name].times_per_cycle
+    @property
+    def times(self) -> list[int]:
+        """How often every motion is made in a cycle."""
+        return [self.station.operations[task.doing.operation].times_per_cycle for task in self.tasks]
+
+    def reactions(self) -> list[Reaction]:
+        """The motions as they are stored. Raises what `ReactionCache.stream` raises."""
+        stored = self.cache.stream([task.request for task in self.tasks], self.command)
+        found = [reaction for reaction in stored if isinstance(reaction, Reaction)]
+        assert len(found) == len(self.tasks), "only what was reached is judged"
+        return found
+
+    def parameters(self) -> FatigueParameters:
+        """How the worker tires: by the paper's law."""
+        return fatigue_parameters(FatigueSettings(), self.tasks[0].request.motion.maximum_torque)
 
 
 class Verdict(NamedTuple):
@@ -62,10 +76,14 @@ class Verdict(NamedTuple):
         """The indicators that give this level, where it is above acceptable."""
         worst = self.level
         return tuple(
-            Rule(kind, each.title, worst, each.times.not_acceptable_s if each.times else None)
+            Rule(kind, each.title, worst, each.times.not_acceptable_s if each.times else None, _part(each))
             for kind, each in self.judgements.items()
             if worst > Level.ACCEPTABLE and level_of(each) == worst
         )
+
+
+def _part(judgement: Judgement) -> str:
+    return f"{judgement.worst.side} {judgement.worst.part}".strip() if judgement.worst else ""
 
 
 def level_of(judgement: Judgement) -> Level:
@@ -73,22 +91,11 @@ def level_of(judgement: Judgement) -> Level:
     return judgement.levels[0] if judgement.applies and judgement.levels else Level.ACCEPTABLE
 
 
-def judged(cases: Sequence[Case], executor: Executor) -> Iterator[tuple[int, Verdict]]:
-    """The verdicts of cases, with their index, as they come. Raises what `ReactionCache.stream` raises."""
-    for index, verdict in executor.run(judge, cases):
-        # a case that kills its worker would kill this process, too
-        yield index, judge(cases[index]) if isinstance(verdict, Lost) else verdict
-
-
 def judge(case: Case) -> Verdict:
     """Everything that is to be said of a case. Raises what `ReactionCache.stream` raises."""
-    station = case.station
-    stored = ReactionCache(case.cache).stream([task.request for task in case.tasks], case.command)
-    reactions = [reaction for reaction in stored if isinstance(reaction, Reaction)]
-    assert len(reactions) == len(case.tasks), "only what was reached is judged"
-    parameters = fatigue_parameters(FatigueSettings(), case.tasks[0].request.motion.maximum_torque)
+    station, reactions, parameters = case.station, case.reactions(), case.parameters()
     courses = tuple(Course.of(reaction.motion, parameters) for reaction in reactions)
-    times = [station.operations[task.doing.operation].times_per_cycle for task in case.tasks]
+    times = case.times
     ends = settled(repeated(courses, times), case.rest_s)
     highest, entry = peak(ends)
     short = shortfall(repeated([reaction.motion for reaction in reactions], times), case.rest_s, parameters)
@@ -104,6 +111,13 @@ def judge(case: Case) -> Verdict:
         for breach in breaches(station.limits, task.request.motion.worker.anthropometry(), reaction.motion, often)
     ]
     return Verdict(courses, fatigue, found, tuple(broken))
+
+
+def profile(case: Case) -> CycleProfile:
+    """How the whole cycle of a case loads the worker, for planners. Raises what `ReactionCache.stream` raises."""
+    motions = repeated([reaction.motion for reaction in case.reactions()], case.times)
+    parts = [*map(Stretch.of, motions), Stretch.rest(motions[-1], case.rest_s)]
+    return cycle_profile(Stretch.joined(parts), case.parameters())
 
 
 def repeated(items: Sequence[T], times: Sequence[int]) -> list[T]:

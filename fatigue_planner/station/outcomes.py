@@ -55,10 +55,10 @@ def simulate_all(
     Raises OutputFolderError if the cache cannot be written.
     """
     refused = _refusals(tasks)
-    asked = [task for task in tasks if task.doing not in refused]
-    made = cache.complete([task.request for task in asked], executor, progress)
-    found = {task.doing: classified(task, simulated) for task, simulated in zip(asked, made, strict=True)}
-    return [(refused | found)[task.doing] for task in tasks]
+    asked = [index for index in range(len(tasks)) if index not in refused]
+    made = cache.complete([tasks[index].request for index in asked], executor, progress)
+    found = {index: classified(tasks[index], simulated) for index, simulated in zip(asked, made, strict=True)}
+    return [(refused | found)[index] for index in range(len(tasks))]
 
 
 def classified(task: Task, simulated: Simulated) -> Outcome:
@@ -103,11 +103,11 @@ def _kind(task: Task, simulated: Simulated) -> Kind:
     return "too_weak" if f"it works {TRIALS['load']}" in tried else "missed"
 
 
-def _refusals(tasks: Sequence[Task]) -> dict[Doing, Outcome]:
-    """Outcomes that need no simulation: places beyond the stretched body, in the body, or in the floor."""
+def _refusals(tasks: Sequence[Task]) -> dict[int, Outcome]:
+    """Outcomes that need no simulation, by number: places beyond the stretched body, in the body, or in the floor."""
     standing: dict[str, Standing] = {}
     found = {}
-    for task in tasks:
+    for index, task in enumerate(tasks):
         doing, motion = task.doing, task.request.motion
         if doing.worker not in standing:
             standing[doing.worker] = standing_of(motion.worker, build_human(motion.worker))
@@ -115,7 +115,7 @@ def _refusals(tasks: Sequence[Task]) -> dict[Doing, Outcome]:
         for goal in motion.action.goals().values():
             point = goal.path()[0].position_m.vector()
             if outcome := _refusal(task, body, point):
-                found[doing] = outcome
+                found[index] = outcome
     return found
 
 

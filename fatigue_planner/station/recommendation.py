@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -91,24 +91,24 @@ def _most(rules: Sequence[Rule]) -> tuple[Rule, ...]:
     return tuple(found.values())
 
 
-def recommend(
-    station: Station,
-    places: Sequence[PlaceForWorker],
-    judged: Mapping[Doing, Judged],
-    courses: Mapping[Doing, Course],
-) -> BestPlaces:
-    """The combination of allowed places with the lowest mean cost of fatigue, every worker in his or her best way."""
-    names = list(station.operations)
-    excluded = dict(_excluded(station, places, judged))
-    allowed = [[p for p in station.operations[name].places if (name, p) not in excluded] for name in names]
+Excluded = Mapping[tuple[str, str], Phrase]
+
+
+def ranked(
+    station: Station, places: Sequence[PlaceForWorker], excluded: Excluded, courses: Mapping[Doing, Course]
+) -> list[Considered]:
+    """The combinations of allowed places by their mean cost of fatigue, every worker in his or her best way."""
+    allowed = [[p for p in said.places if (name, p) not in excluded] for name, said in station.operations.items()]
     ways = {(each.worker, each.operation, each.place): each.outcome.doing for each in places if each.way is not None}
-    ranked = sorted(
-        (considered(station, combination, ways, courses) for combination in itertools.product(*allowed)),
-        key=lambda each: each.cost,
-    )
-    if not ranked:
+    found = (considered(station, combination, ways, courses) for combination in itertools.product(*allowed))
+    return sorted(found, key=lambda each: each.cost)
+
+
+def best_of(station: Station, ranking: Sequence[Considered], excluded: Excluded) -> BestPlaces:
+    """What is recommended: the first of the ranking, beside the second."""
+    if not ranking:
         return BestPlaces({}, None, None, {}, None, excluded)
-    best, following = ranked[0], ranked[1] if len(ranked) > 1 else None
+    names, best, following = list(station.operations), ranking[0], ranking[1] if len(ranking) > 1 else None
     return BestPlaces(
         dict(zip(names, best.places, strict=True)),
         best.peak,
@@ -134,18 +134,21 @@ def considered(
     return Considered(places, float(np.mean(costs)), max(peaks))
 
 
-def _excluded(
+def excluded(
     station: Station, places: Sequence[PlaceForWorker], judged: Mapping[Doing, Judged]
-) -> Iterator[tuple[tuple[str, str], Phrase]]:
+) -> dict[tuple[str, str], Phrase]:
+    """The places that are none for all workers, and why: not reached by one, or forbidden to one in every way."""
+    found = {}
     for operation, said in station.operations.items():
         for place in said.places:
             here = [each for each in places if (each.operation, each.place) == (operation, place)]
             missing = [each.worker for each in here if each.way is None]
             forbidden = [each for each in here if each.level == Level.NOT_ACCEPTABLE]
             if missing:
-                yield (operation, place), Phrase(NOT_REACHED, {"place": place, "workers": ", ".join(missing)})
+                found[operation, place] = Phrase(NOT_REACHED, {"place": place, "workers": ", ".join(missing)})
             elif forbidden:
                 first = judged[forbidden[0].outcome.doing]
                 titles = ", ".join(rule.title for rule in first.by)
                 values = {"place": place, "worker": forbidden[0].worker, "rules": titles}
-                yield (operation, place), Phrase(FORBIDDEN, values)
+                found[operation, place] = Phrase(FORBIDDEN, values)
+    return found

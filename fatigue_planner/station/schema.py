@@ -204,8 +204,8 @@ class Station(Settings):
     )
     feet: Literal["free", "fixed"] = Field(
         default="free",
-        description="Where the worker stands. free: who works with the left hand stands so that a place is on the left "
-        "as it is on the right for others; fixed: places are where they are.",
+        description="How the worker stands. free: the feet are turned to every place, so that it is straight ahead, at "
+        "its distance and height; fixed: the feet point along x, and who has to reach aside twists.",
     )
     shoes_m: float = Field(default=0.025, ge=0, le=0.1, description="Thickness in m of the soles of the shoes.")
     limits: tuple[Limit, ...] = Field(

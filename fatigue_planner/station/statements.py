@@ -1,10 +1,18 @@
 """What is said of an assessment in sentences, as keys of a catalogue with their values."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.fatigue.entries import ENTRIES
-from fatigue_planner.station.assessment import BestPlaces, Outcome, PlaceForWorker, PlaceSummary, ReachShare, WholeCycle
+from fatigue_planner.station.assessment import (
+    BestPlaces,
+    Outcome,
+    PlaceForWorker,
+    PlaceSummary,
+    ReachShare,
+    Rule,
+    WholeCycle,
+)
 from fatigue_planner.station.schema import Station
 
 # Who cannot work where.
@@ -14,16 +22,18 @@ TOO_WEAK = "{worker} is too weak for {place}: {joint} gives all it has"
 IMPLAUSIBLE = "{worker} reaches {place} only as nobody would work: {finding}"
 BROKEN = "{worker} breaks limit {limit} of the station at {place}: {seconds:.0f} s instead of at most {at_most_s:.0f}"
 # What is not acceptable.
-NOT_ACCEPTABLE = "{operation} at {place} is not acceptable for {seconds:.0f} of {cycle_s:.0f} s by {rule}"
-NOT_ACCEPTABLE_AT_ALL = "{operation} at {place} is not acceptable by {rule}"
+NOT_ACCEPTABLE = "{operation} at {place} is not acceptable for {seconds:.0f} of {cycle_s:.0f} s by {rules}"
+NOT_ACCEPTABLE_AT_ALL = "{operation} at {place} is not acceptable by {rules}"
 # What is best.
 BEST = "Best for {operation}: {place}"
-BEST_BY = "They tire at most {peak:.0%} of a joint's strength; the next best, {others}, cost {more:.0%} more fatigue"
-BEST_ONLY = "They tire at most {peak:.0%} of a joint's strength; no others are allowed"
+BEST_BY = (
+    "A joint loses at most {peak:.0%} of its strength there; the next best, {others}, costs {more:.0%} more fatigue"
+)
+BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
 NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
-INSTEAD = "{place} instead of {best} would tire {peak:.0%} of a joint's strength"
-WORST_JOINT = "{worker}: the most tired joint is {joint}, which loses {peak:.0%} of its strength"
-NO_JOINT = "{worker}: no joint tires"
+COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
+WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
+NO_JOINT = "No joint tires"
 SHORTFALL = "{worker} cannot go on for ever: in cycle {cycle} {joint} cannot give what is asked"
 REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to {high:.0%} with 3 cm less or more)"
 STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
@@ -33,7 +43,8 @@ OWN_POPULATION = "Percentiles are of the station's own population"
 ASSUMED_MASS = "The mass of a percentile is the median of people as tall; strength is a percentile of its own"
 ASSUMED_REACH = "People of one stature differ in reach by 3 cm (one standard deviation): a verdict within 3 cm can turn"
 ASSUMED_SHOES = "Shoes raise the worker by {shoes_cm:.1f} cm"
-ASSUMED_FEET = "Who works with the left hand stands so that places are mirrored"
+ASSUMED_FEET = "The worker turns the feet to every place, so that it is straight ahead (feet: free)"
+FIXED_FEET = "The feet point along x: who has to reach aside twists (feet: fixed)"
 ASSUMED_REST = "Each operation has {reach_s:g} s there and {return_s:g} s back; the rest of the {cycle_s:g} s is rest"
 ASSUMED_LAW = (
     "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
@@ -78,13 +89,18 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
     for each in summaries:
         if each.level != Level.NOT_ACCEPTABLE:
             continue
-        for rule in each.by:
-            named: Values = {"operation": each.operation, "place": each.place, "rule": rule.title}
-            if rule.not_acceptable_s:
-                times = {"seconds": rule.not_acceptable_s, "cycle_s": station.cycle.duration_s}
-                yield Phrase(NOT_ACCEPTABLE, named | times)
-            else:
-                yield Phrase(NOT_ACCEPTABLE_AT_ALL, named)
+        named: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.by)}
+        if longest := max((rule.not_acceptable_s or 0.0 for rule in each.by), default=0.0):
+            times = {"seconds": longest, "cycle_s": station.cycle.duration_s}
+            yield Phrase(NOT_ACCEPTABLE, named | times)
+        else:
+            yield Phrase(NOT_ACCEPTABLE_AT_ALL, named)
+
+
+def _rules(rules: Sequence[Rule]) -> str:
+    """The rules with the part of the body that each finds worst, that with the most seconds first."""
+    ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
+    return ", ".join(f"{rule.title} ({rule.part})" if rule.part else rule.title for rule in ordered)
 
 
 def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces) -> Phrases:
@@ -92,6 +108,7 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         for operation in station.operations:
             if all((operation, place) in best.excluded for place in station.operations[operation].places):
                 yield Phrase(NONE_ALLOWED, {"operation": operation})
+        yield from _compared(summaries, {})
         return
     for operation, place in best.places.items():
         yield Phrase(BEST, {"operation": operation, "place": place})
@@ -101,22 +118,25 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         yield Phrase(BEST_BY, {"peak": best.peak, "others": others, "more": best.next_above})
     else:
         yield Phrase(BEST_ONLY, {"peak": best.peak})
+    yield from _compared(summaries, best.places)
+
+
+def _compared(summaries: Sequence[PlaceSummary], best: Mapping[str, str]) -> Phrases:
+    """What the places that are not recommended do."""
     for each in summaries:
-        if each.place != best.places[each.operation] and each.peak is not None:
-            values: Values = {"place": each.place, "best": best.places[each.operation], "peak": each.peak}
-            yield Phrase(INSTEAD, values)
+        if each.place != best.get(each.operation) and each.peak is not None:
+            yield Phrase(COMPARED, {"operation": each.operation, "place": each.place, "peak": each.peak})
 
 
 def _tired(cycles: Sequence[WholeCycle]) -> Phrases:
+    if worst := max(cycles, key=lambda each: each.fatigue.peak, default=None):
+        fatigue = worst.fatigue
+        values: Values = {"worker": worst.worker, "peak": fatigue.peak}
+        yield Phrase(WORST_JOINT, values | {"joint": joint_name(fatigue.entry)}) if fatigue.entry else Phrase(NO_JOINT)
     for each in cycles:
-        fatigue, named = each.fatigue, Values(worker=each.worker)
-        if fatigue.entry:
-            yield Phrase(WORST_JOINT, named | {"joint": joint_name(fatigue.entry), "peak": fatigue.peak})
-        else:
-            yield Phrase(NO_JOINT, named)
-        if fatigue.shortfall_cycle is not None:
-            short: Values = {"joint": joint_name(fatigue.shortfall_entry), "cycle": fatigue.shortfall_cycle}
-            yield Phrase(SHORTFALL, named | short)
+        if each.fatigue.shortfall_cycle is not None:
+            short: Values = {"worker": each.worker, "cycle": each.fatigue.shortfall_cycle}
+            yield Phrase(SHORTFALL, short | {"joint": joint_name(each.fatigue.shortfall_entry)})
 
 
 def of_population(shares: Sequence[ReachShare]) -> Phrases:
@@ -141,10 +161,9 @@ def assumptions_of(station: Station) -> tuple[Phrase, ...]:
         Phrase(ASSUMED_REACH),
         Phrase(ASSUMED_SHOES, {"shoes_cm": 100 * station.shoes_m}),
         Phrase(ASSUMED_REST, times),
+        Phrase(ASSUMED_FEET if station.feet == "free" else FIXED_FEET),
         Phrase(ASSUMED_LAW),
     ]
-    if station.feet == "free" and any(each.handedness == "left" for each in station.workers.values()):
-        found.append(Phrase(ASSUMED_FEET))
     if station.tools:
         found.append(Phrase(ASSUMED_TOOL))
     if station.shift is None:

@@ -77,16 +77,21 @@ def test_a_station_becomes_experiments_that_simulate_takes(tmp_path: Path) -> No
         assert experiment.name == part.experiment.name
 
 
-def test_who_is_left_handed_works_in_the_mirror_if_the_feet_are_free() -> None:
-    turned = {"x": 0.4, "y": -0.2, "z": 0.9, "orientation_deg": {"x": 10, "y": -90, "z": 20}}
+def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_the_mirror() -> None:
+    turned = {"x": 0.4, "y": -0.3, "z": 0.9, "orientation_deg": {"x": 10, "y": -80, "z": 20}}
     said = station(places={"door": turned}, operations={"fit": {"places": "door", "seconds": 25, "tool": "gun"}})
     left = part_of(said, ("left",)).experiment.actions["door"]
     assert left.right_hand is None and left.left_hand is not None and left.left_hand.position_m is not None
-    assert left.left_hand.position_m.model_dump() == {"x": 0.4, "y": 0.2, "z": 0.875}
-    mirror = np.diag([1.0, -1.0, 1.0])
-    right = Orientation(x=10, y=-90, z=20).rotation()
+    assert left.left_hand.position_m.model_dump() == {"x": 0.5, "y": 0, "z": 0.875}
+    ahead = np.array(
+        [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]
+    )  # a turn to the left, as the worker turned to the right
+    mirror, own = np.diag([1.0, -1.0, 1.0]), ahead @ Orientation(x=10, y=-80, z=20).rotation()
+    right = part_of(said, ("right",)).experiment.actions["door"].right_hand
+    assert right is not None and right.orientation_deg is not None
+    assert right.orientation_deg.rotation() == pytest.approx(own, abs=1e-5)
     assert left.left_hand.orientation_deg is not None
-    assert left.left_hand.orientation_deg.rotation() == pytest.approx(mirror @ right @ mirror)
+    assert left.left_hand.orientation_deg.rotation() == pytest.approx(mirror @ own @ mirror, abs=1e-5)
     assert left.loads == (CarriedMass(kind="mass", hand="left", mass_kg=3),)
     fixed = part_of(station(feet="fixed"), ("left",)).experiment.actions["door"]
     assert fixed.left_hand is not None and fixed.left_hand.position_m is not None
