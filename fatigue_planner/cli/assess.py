@@ -66,10 +66,13 @@ def assess(
 
 def _text(found: "StationAssessment") -> list[str]:
     """What an ergonomist needs first, then who of a population can, then what it rests on."""
-    from fatigue_planner.station.statements import of_population
+    from fatigue_planner.station.statements import of_changes, of_population, of_rotation
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += [f"  {phrase}." for phrase in found.headline]
+    lines += [f"  {phrase}." for phrase in of_rotation(found.rotation)]
+    if found.changes:
+        lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
     lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]
     return [*lines, "", "What this rests on:", *(f"  {phrase}." for phrase in found.assumptions)]
 

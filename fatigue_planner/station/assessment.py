@@ -153,6 +153,7 @@ class BestPlaces:
     peak         the highest fatigue of any worker with it
     next_places  the second best combination, and what its cost of fatigue is above that of the best, as a share of it
     excluded     by operation and place: why it is none of them
+    together     why places that are allowed one by one are not in one cycle; None if they are
     """
 
     places: Mapping[str, str]
@@ -161,6 +162,7 @@ class BestPlaces:
     next_places: Mapping[str, str]
     next_above: float | None
     excluded: Mapping[tuple[str, str], Phrase]
+    together: Phrase | None = None
 
 
 @dataclass(frozen=True)

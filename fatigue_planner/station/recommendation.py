@@ -104,10 +104,10 @@ def ranked(
     return sorted(found, key=lambda each: each.cost)
 
 
-def best_of(station: Station, ranking: Sequence[Considered], excluded: Excluded) -> BestPlaces:
+def best_of(station: Station, ranking: Sequence[Considered], excluded: Excluded, together: Phrase | None) -> BestPlaces:
     """What is recommended: the first of the ranking, beside the second."""
     if not ranking:
-        return BestPlaces({}, None, None, {}, None, excluded)
+        return BestPlaces({}, None, None, {}, None, excluded, together)
     names, best, following = list(station.operations), ranking[0], ranking[1] if len(ranking) > 1 else None
     return BestPlaces(
         dict(zip(names, best.places, strict=True)),
