@@ -38,7 +38,7 @@ def with_torque(reaction: Reaction, joint: str, torque_nm: np.ndarray | float) -
 
 def test_endurance_as_published() -> None:
     """At 30 % of the strength by Frey Law & Avin (2010); at 20 % by Sjøgaard, from ErgoCalculator's example."""
-    groups = {"general": 238, "ankle": 415, "back": 349, "elbow": 257, "grip": 233, "knee": 186, "shoulder": 135}
+    groups = {"general": 238, "ankle": 415, "back": 349, "elbow": 257, "wrist": 233, "knee": 186, "shoulder": 135}
     assert {group: round(float(endurance_s(np.array([0.3]), group)[0])) for group in groups} == groups
     assert float(sjogaard_s(np.array([0.2]))[0]) / 60 == pytest.approx(9.385, abs=0.0005)
     assert np.isinf(endurance_s(np.array([0.149]), "knee")).all()

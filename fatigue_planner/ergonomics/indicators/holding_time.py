@@ -15,10 +15,11 @@ from fatigue_planner.human.skeleton import SIDES, without_side
 
 Vector = NDArray[np.float64]
 
-# Endurance in s at a share of the strength: factor and exponent (Frey Law & Avin 2010).
+# Endurance in s at a share of the strength: factor and exponent (Frey Law & Avin 2010). The wrist's is that of the
+# grip; joints that are not named have the general one (both assumed, as for the rates in `fatigue/data/rates`).
 ENDURANCE = {
     "general": (21.92, -1.98), "ankle": (34.71, -2.06), "back": (22.69, -2.27), "elbow": (17.98, -2.21),
-    "grip": (33.55, -1.61), "knee": (19.38, -1.88), "shoulder": (14.86, -1.83),
+    "wrist": (33.55, -1.61), "knee": (19.38, -1.88), "shoulder": (14.86, -1.83),
 }  # fmt: skip
 # Below this share of the strength the curves are not measured, and nothing is counted.
 LEAST_SHARE = 0.15
