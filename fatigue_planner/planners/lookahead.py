@@ -9,6 +9,7 @@ from pydantic import Field
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, new_levels
+from fatigue_planner.planners.plan_leaves import last_cycles_of, new_ends, plans_in_reach
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Vector, plain_decision
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
@@ -17,8 +18,10 @@ from fatigue_planner.planners.pomcp.kernels import (
     LeafValueName,
     bound_arrays_for,
     lookahead_kernel,
+    values_whole_beliefs,
 )
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.beliefs.moments import belief_in_moments
 from fatigue_planner.pomdp.cyclic_plans import most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
@@ -59,7 +62,8 @@ class LookaheadPolicy(Policy):
         self.draws_at_random = settings.leaf_value == "random_rollout"
         self._model: Pomdp | None = None
         self._kernel: Any = None
-        self._levels: Levels | None = None
+        self._memory: tuple[Levels, Any] | None = None
+        self._shape: tuple[int, ...] = ()
         self._workspace = new_workspace(0, 0, 0)
         self._tables = tables(0)
 
@@ -73,24 +77,40 @@ class LookaheadPolicy(Policy):
 
     def values(self, belief: Belief, rng: np.random.Generator) -> Vector:
         """The return of every action, followed by the best ones, (A,)."""
-        settings, model = self.settings, belief.model
-        if model is not self._model:
+        settings = self.settings
+        if belief.model is not self._model:
             if self._model is None:
-                model.check_probabilities(belief.states)
-            self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
-        count, width = belief.states.shape
-        if self._levels is None or self._levels.begin[1] != count:
-            outcomes, actions = len(model.outcomes), len(model.actions)
-            self._levels = new_levels(
-                count, width, settings.depth, outcomes, actions, model.observation_reveals_outcome
-            )
-            self._workspace = new_workspace(width, outcomes, 0)
-        levels = self._levels
-        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
+                belief.model.check_probabilities(belief.states)
+            self._model, self._kernel = belief.model, lookahead_kernel(belief.model, settings.leaf_value)
+        if settings.leaf_value in ("none", "bound"):
+            belief = belief_in_moments(belief)
+        model = belief.model
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        if values_whole_beliefs(model, settings.leaf_value):
+            bound_arrays = plans_in_reach(belief, bound_arrays, settings.depth)
+        levels, ends = self._room(belief, bound_arrays)
+        count = len(belief.weights)
+        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
-        self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
+        draws = rng if "rollout" in settings.leaf_value else None  # to hand it over takes a quarter of a small decision
+        self._kernel(model.arrays, bound_arrays, levels, ends, self._workspace, parameters, draws)
         return np.asarray(levels.values[0].copy())
+
+    def _room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
+        """Working memory: the levels, and what the last cycles need."""
+        model, (count, width), depth = belief.model, belief.states.shape, self.settings.depth
+        actions, outcomes, observations = (len(names) for names in (model.actions, model.outcomes, model.observations))
+        plans, last = 0, 1
+        if values_whole_beliefs(model, self.settings.leaf_value):
+            assert isinstance(model, FatiguePomdp)
+            plans, last = bound_arrays.constant.shape[1], last_cycles_of(model, bound_arrays, depth)
+        shape = count, width, plans, last, actions, outcomes, observations
+        if self._memory is None or self._shape != shape:
+            levels = new_levels(count, width, depth + 1 - last, outcomes, actions, model.observation_reveals_outcome)
+            ends: Any = new_ends(actions, outcomes, observations, plans, width, last) if plans else 0
+            self._memory, self._shape = (levels, ends), shape
+            self._workspace = new_workspace(width, outcomes, 0)
+        return self._memory
 
 
 class LookaheadSettings(PolicySettings):

@@ -9,7 +9,8 @@ from typing import Any, Literal, NamedTuple
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.jit import inlined, kernel, specialised
-from fatigue_planner.planners.expectimax import best_return, expected_now, observe
+from fatigue_planner.planners.expectimax import best_return, expected_now, last_cycle, observe
+from fatigue_planner.planners.plan_leaves import last_cycles_and_plans
 from fatigue_planner.planners.pomcp.backups import (
     back_up_exact,
     back_up_max,
@@ -20,6 +21,7 @@ from fatigue_planner.planners.pomcp.backups import (
 from fatigue_planner.planners.pomcp.leaf_values import greedy_rollout, no_value, problem_bound, random_rollout
 from fatigue_planner.planners.pomcp.search import grow
 from fatigue_planner.planners.pomcp.ucb import note_nothing, note_spread, select_fixed, select_scaled
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
 
 BackupName = Literal["mean", "max", "exact"]
@@ -117,13 +119,24 @@ def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
         "OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome,
         "N_OBSERVATIONS": len(model.observations),
     }
-    return specialised(
-        best_return,
-        kernel,
-        **parts,
-        **constants,
-        LEAVES=leaf_value != "none",
-        expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
-        observe=specialised(observe, inlined, **parts, OBSERVATION_REVEALS_OUTCOME=model.observation_reveals_outcome),
-        leaf_value=LEAF_VALUES[leaf_value](model),
-    )
+    reveals = {"OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome}
+    own = specialised(observe, inlined, **parts, **reveals)
+    if values_whole_beliefs(model, leaf_value):
+        end: Any = last_cycles_and_plans
+    else:
+        end = specialised(
+            last_cycle,
+            inlined,
+            **parts,
+            **constants,
+            LEAVES=leaf_value != "none",
+            expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
+            observe=own,
+            leaf_value=LEAF_VALUES[leaf_value](model),
+        )
+    return specialised(best_return, kernel, **parts, **constants, observe=own, last_cycles=end)
+
+
+def values_whole_beliefs(model: Pomdp, leaf_value: LeafValueName) -> bool:
+    """Whether the leaves of a lookahead are beliefs with one cyclic plan each (`plan_leaves`), and not states."""
+    return leaf_value == "bound" and isinstance(model, FatiguePomdp)
