@@ -112,9 +112,9 @@ def last_cycles_and_plans(
     observations, early = arrays.observation.shape[1], ends.early
     clear(ends)
     for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
-        state, weight, waiting = levels.states[i], levels.weights[i], np.int64(0)  # a mere 0 is compiled anew
+        state, weight, waiting = levels.states[i], levels.weights[i], int(np.int64(0))  # a mere 0 is compiled anew
         if ends.before.size == 0:
-            waiting = add_cycle(arrays, plans, ends, state, weight, np.int64(0), waiting)
+            waiting = add_cycle(arrays, plans, ends, state, weight, int(np.int64(0)), waiting)
         else:
             for action in range(actions):
                 preference_probabilities(arrays, state, action, ends.first)
@@ -168,7 +168,7 @@ def add_cycle(
                 continue
             if waiting == WAITING:
                 value_waiting(arrays, plans, ends, int(state[state.size - 1]), waiting)
-                waiting = np.int64(0)
+                waiting = int(np.int64(0))
             moved = ends.waiting[waiting, : state.size]
             for j in range(state.size):
                 moved[j] = state[j]
