@@ -15,11 +15,13 @@ if TYPE_CHECKING:
     from fatigue_planner.api import NamedDecision as NamedDecision
     from fatigue_planner.api import Run as Run
     from fatigue_planner.api import decide as decide
+    from fatigue_planner.api import environment as environment
     from fatigue_planner.api import load as load
     from fatigue_planner.api import run as run
     from fatigue_planner.api import run_trials as run_trials
     from fatigue_planner.api import scenario as scenario
     from fatigue_planner.api import simulate as simulate
+    from fatigue_planner.api import vector_environment as vector_environment
     from fatigue_planner.core.errors import FatplanError as FatplanError
     from fatigue_planner.core.jit import compiled as compiled
     from fatigue_planner.core.plugins import load_plugin as load_plugin
@@ -44,7 +46,19 @@ if TYPE_CHECKING:
 
 # Every public name and where it is. They are loaded when they are first asked for: `fatplan --help` needs none of them.
 _WHERE = {
-    "api": ("Actor", "NamedDecision", "Run", "decide", "load", "run", "run_trials", "scenario", "simulate"),
+    "api": (
+        "Actor",
+        "NamedDecision",
+        "Run",
+        "decide",
+        "environment",
+        "load",
+        "run",
+        "run_trials",
+        "scenario",
+        "simulate",
+        "vector_environment",
+    ),
     "core.errors": ("FatplanError",),
     "core.jit": ("compiled",),
     "core.plugins": ("load_plugin", "register"),

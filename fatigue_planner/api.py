@@ -8,13 +8,14 @@ import copy
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import pandas as pd
 
-from fatigue_planner.core.errors import SelectionError, listed
+from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
@@ -22,13 +23,17 @@ from fatigue_planner.experiment.build import scenario as build_scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES
-from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, plain_decision
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, action_number, plain_decision
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.study.benchmark.trial import Episode, decided_cycles
+
+if TYPE_CHECKING:
+    from fatigue_planner.study.environments.environment import Environment
+    from fatigue_planner.study.environments.vector import VectorEnvironment
 
 
 class Actor(Protocol):
@@ -219,6 +224,46 @@ def run_trials(
     return pd.DataFrame(rows, columns=["policy", "trial", "discounted_return", "final_cost", "peak_cost"])
 
 
+def environment(problem: Scenario | Belief, n_cycles: int = 100) -> "Environment":
+    """A Gymnasium environment of a scenario's task, or of a problem of your own from a belief.
+
+    After `reset(seed=s)` its episodes are the trials 0, 1, ... of a benchmark with this seed. Raises MissingExtraError
+    without Gymnasium, SelectionError for less than one cycle.
+
+    >>> task = fp.environment(scenario, n_cycles=3)
+    >>> observation, info = task.reset(seed=2023)
+    >>> observation, reward, terminated, truncated, info = task.step("low")
+    >>> reward < 0, scenario.model.observations[observation] in ("arm", "back"), info["fatigue"].shape
+    (True, True, (78,))
+    """
+    _need_gymnasium()
+    from fatigue_planner.study.environments.environment import Environment  # noqa: PLC0415 - optional
+
+    return Environment(problem, n_cycles)
+
+
+def vector_environment(problem: Scenario | Belief, count: int, n_cycles: int = 100) -> "VectorEnvironment":
+    """So many environments side by side, stepped by compiled code: environment i is that of seed + i.
+
+    Raises as `environment`.
+
+    >>> tasks = fp.vector_environment(scenario, 64, n_cycles=3)
+    >>> _ = tasks.reset(seed=2023)
+    >>> observations, rewards, terminated, truncated, info = tasks.step(np.zeros(64, int))
+    >>> rewards.shape, info["fatigue"].shape
+    ((64,), (64, 78))
+    """
+    _need_gymnasium()
+    from fatigue_planner.study.environments.vector import VectorEnvironment  # noqa: PLC0415 - optional
+
+    return VectorEnvironment(problem, count, n_cycles)
+
+
+def _need_gymnasium() -> None:
+    if find_spec("gymnasium") is None:
+        raise MissingExtraError("environments need Gymnasium: pip install 'fatigue-planner[gymnasium]'.")
+
+
 PolicyLike = str | Mapping[str, Any] | PolicySettings | Actor
 
 
@@ -235,11 +280,11 @@ class _ActorPolicy(Policy):
         if isinstance(chosen, Decision):
             return chosen
         actions = belief.model.actions
-        index = actions.index(chosen) if chosen in actions else chosen
-        if not isinstance(index, int | np.integer) or not 0 <= index < len(actions):
+        index = action_number(chosen, actions)
+        if index is None:
             raise SelectionError(f"{type(self._actor).__name__}.act: {chosen!r} is not one of {listed(actions)}.")
         unknown = np.full(len(actions), np.nan)
-        return plain_decision(int(index), unknown, 0, time.perf_counter() - begin, "chosen by your policy", belief)
+        return plain_decision(index, unknown, 0, time.perf_counter() - begin, "chosen by your policy", belief)
 
     def observe(self, action: int, observation: int) -> None:
         """See Policy.observe."""

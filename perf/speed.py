@@ -27,8 +27,11 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
+from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.reactions.cache import ReactionCache, simulated
+from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.environments.vector import VectorEnvironment
 
 ROOT = Path(__file__).parents[1]
 EXPERIMENTS, CACHE = ROOT / "experiments", ROOT / "cache"
@@ -145,8 +148,40 @@ def searches(paper: Experiment) -> None:
             print(f"{condition} {name}: {seconds * 1e3:.2f} ms per decision, {ratio:.2f} x pomcp_0.1")
 
 
+def outside(paper: Experiment) -> None:
+    """Trials of policies without search, all at once against one by one; steps of environments (single novice)."""
+    profiles = load_cycle_profiles(paper, CACHE, "fatplan simulate")
+    task = scenario(paper, profiles, paper.benchmark.conditions["single_novice"])
+    lookahead = {"kind": "lookahead", "depth": 1, "leaf_value": "bound"}
+    runs, cycles, spent = 10_000, 100, 0.0
+    for name, settings in {"greedy": "greedy", "periodic": "periodic", "lookahead_1_bound": lookahead}.items():
+        cell = Cell("single_novice", cycles, name, policy(settings), task, paper.benchmark.seed, runs)
+        for run in (cell.run, cell.run_one_by_one):
+            run([0])
+        medians = interleaved(
+            {"all": partial(cell.run, range(runs)), "one": partial(cell.run_one_by_one, range(50))}, 3
+        )
+        spent += medians["all"]
+        ratio = medians["one"] / 50 / (medians["all"] / runs)
+        print(f"{name}: {runs} runs of {cycles} cycles in {medians['all']:.2f} s, {ratio:.0f} x faster than one by one")
+    print(f"all three: {spent:.2f} s")
+    for count in (1, 1000):
+        tasks = VectorEnvironment(task, count, cycles)
+        tasks.reset(seed=1)
+        steps = 10 * (cycles + 1)
+        seconds = interleaved({"steps": partial(take_steps, tasks, steps)}, 3)["steps"]
+        print(f"vector environment of {count}: {steps * count / seconds:,.0f} steps/s")
+
+
+def take_steps(tasks: VectorEnvironment, steps: int) -> None:
+    actions = np.zeros(tasks.num_envs, int)
+    for _ in range(steps):
+        tasks.step(actions)
+
+
 if __name__ == "__main__":
     experiment = load_experiment(EXPERIMENTS / "paper.yaml")
     tick(experiment)
     library(load_experiment(EXPERIMENTS / "pose_grid.yaml"))
     searches(experiment)
+    outside(experiment)

@@ -43,7 +43,7 @@ actions:
 
 
 def init(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the experiment and, with .yaml, of its file.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the experiment, or of its file: NAME.yaml.")],
     as_json: options.Json = False,
 ) -> None:
     """Write a short, commented experiment, NAME.yaml, to fill in with a task of your own."""
@@ -54,6 +54,7 @@ def init(
     from fatigue_planner.core.settings import Name
     from fatigue_planner.experiment.error_messages import NAME_PATTERN
 
+    name = name.removesuffix(".yaml")
     try:
         TypeAdapter(Name).validate_python(name)
     except ValidationError as error:

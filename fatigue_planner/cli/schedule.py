@@ -14,7 +14,6 @@ from fatigue_planner.core.errors import SelectionError
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.study.schedule import Rotation, Worth
-    from fatigue_planner.study.statistics.savings import Saving
 
 MAX_CYCLES = 100_000
 # How many joints the text and the card name.
@@ -130,7 +129,7 @@ def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, f
             f"{format_label(worth.condition)}, {n_cycles} cycles: mean discounted cost {significant(worth.cost, 5)}"
             + (f" ± {significant(worth.standard_error, 2)} (standard error)" if worth.standard_error else ""),
             *(
-                _compared(saved[other], what)
+                f"  costs {saved[other].compared(what)}"
                 for other, what in (
                     (BEST_FIXED, f"always {worth.best_fixed}, the best fixed action"),
                     (ERGONOMIC, "the action that is most ergonomic in one cycle, for ever"),
@@ -151,13 +150,6 @@ def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, f
         worst = sorted(worth.misjudged.items(), key=lambda item: -item[1])
         lines += [f"    {name}: {percent(share)}" for name, share in worst]
     return lines
-
-
-def _compared(saving: "Saving", what: str) -> str:
-    """What the schedule saves, or costs more, than something else."""
-    if saving.share < 0:
-        return f"  costs {saving.turned().text()} more than {what}"
-    return f"  costs {saving.text()} less than {what}"
 
 
 def _spared_joints(worth: "Worth") -> list[str]:

@@ -48,6 +48,15 @@ def find_shipped(path: Path) -> Path:
     raise ExperimentError(f"{path}: neither a file nor the name of one that ships with fatplan: {names}.")
 
 
+def file_named_in(path: Path, named: str) -> Path:
+    """The file that the file `path` names: relative to its folder or, where there is none, one that ships by its name.
+
+    Raises ExperimentError like `find_shipped`.
+    """
+    beside = path.parent / named
+    return beside if beside.is_file() or not _NAME.fullmatch(named) else find_shipped(Path(named))
+
+
 def writable_folder(folder: Path) -> Path:
     """Create `folder` if need be and prove that a file can be written there.
 
@@ -180,6 +189,11 @@ def _sealed(content: Mapping[str, Any]) -> str:
 def digest_of(value: Any) -> str:
     """SHA-256, in hex, of a JSON-like value."""
     return hashlib.sha256(canonical_json(value).encode()).hexdigest()
+
+
+def digest_of_bytes(content: bytes) -> str:
+    """SHA-256, in hex, of bytes."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def digest_of_files(paths: Iterable[Path]) -> str:

@@ -208,21 +208,46 @@ def plugin_sources(*kinds: type) -> dict[str, str]:
     It covers the file of a plug-in file, and all Python files of an installed package. Raises PluginError for a kind
     that is in no file, such as one of a notebook's cell: what it uses may be in other cells.
     """
-    sources = {}
-    for kind in kinds:
-        top = kind.__module__.partition(".")[0]
-        if top != PACKAGE.name:
-            sources[f"{OF_PLUGINS}{top}"] = _digest_of_module(top, kind)
-    return sources
+    tops = {kind.__module__.partition(".")[0]: kind.__name__ for kind in kinds}
+    return {OF_PLUGINS + top: _digest_of_module(top, name) for top, name in tops.items() if top != PACKAGE.name}
 
 
-def _digest_of_module(top: str, kind: type) -> str:
+def named_in_plugin(module: str, name: str) -> Any:
+    """What a plug-in file, by its stem, or a module of an installed plug-in's package calls by this name.
+
+    Raises PluginError if no such plug-in is loaded, or if it has no such name.
+    """
+    load_installed_plugins()
+    top = module.partition(".")[0]
+    if MODULE_PREFIX + module in _SOURCES:
+        found = sys.modules[MODULE_PREFIX + module]
+    elif top in _PACKAGES:
+        try:
+            found = importlib.import_module(module)
+        except Exception as error:
+            raise PluginError(
+                f"the module {module} of an installed plug-in: {type(error).__name__}: {error}."
+            ) from error
+    else:
+        raise PluginError(f"no plug-in {module} is loaded; name its file: --plugin {module}.py.")
+    if not hasattr(found, name):
+        raise PluginError(f"the plug-in {module} has no {name!r}.")
+    return getattr(found, name)
+
+
+def source_of_plugin(module: str) -> dict[str, str]:
+    """As `plugin_sources`, for the plug-in that `named_in_plugin` would look into."""
+    top = MODULE_PREFIX + module if MODULE_PREFIX + module in _SOURCES else module.partition(".")[0]
+    return {OF_PLUGINS + top: _digest_of_module(top, module)}
+
+
+def _digest_of_module(top: str, name: str) -> str:
     if top in _SOURCES:
         return hashlib.sha256(_SOURCES[top][0]).hexdigest()
     file = getattr(sys.modules.get(top), "__file__", None)
     if file is None:
         raise PluginError(
-            f"{kind.__name__}: what decides stored results has to be in a file. In a notebook, begin its cell with "
+            f"{name}: what decides stored results has to be in a file. In a notebook, begin its cell with "
             '`%%writefile my_kinds.py`, run it, and load the file with `fp.load_plugin("my_kinds.py")`.'
         )
     path = Path(file)

@@ -6,7 +6,7 @@ draws from a stream of its own, so it cannot see the world's future.
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,17 @@ class RandomNumbers:
     observation: Vector
 
 
+def world_stream(what: str, seed: int, condition: str, n_cycles: int, trial: int) -> np.random.Generator:
+    """The stream of one of the common random numbers of a trial: a field of `RandomNumbers`."""
+    key = (condition, n_cycles, trial)
+    return random_stream(seed, what, *key)
+
+
 def draw_random_numbers(seed: int, condition: str, n_cycles: int, trial: int) -> RandomNumbers:
     """The common random numbers of a trial, the same for every policy."""
-    key = (condition, n_cycles, trial)
+    worker, start, preference, observation = (
+        world_stream(field.name, seed, condition, n_cycles, trial) for field in fields(RandomNumbers)
+    )
     return RandomNumbers(
-        random_stream(seed, "worker", *key).random(3),
-        float(random_stream(seed, "start", *key).random()),
-        random_stream(seed, "preference", *key).random(n_cycles),
-        random_stream(seed, "observation", *key).random(n_cycles),
+        worker.random(3), float(start.random()), preference.random(n_cycles), observation.random(n_cycles)
     )

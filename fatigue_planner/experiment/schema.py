@@ -1,7 +1,7 @@
 """The content of an experiment file; the paper's values hold wherever a file says nothing else."""
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -236,13 +236,17 @@ class Experiment(Settings):
             "policies": grid.policies, "against": grid.policies, "conditions": grid.conditions,
             "n_cycles": grid.n_cycles,
         }  # fmt: skip
+        named: list[tuple[str, Collection[object], Sequence[object]]] = [
+            ("statistics.policies", grid.policies, self.statistics.policies or ())
+        ]
         for name, family in self.statistics.families.items():
-            for key, names in known.items():
-                items = getattr(family, key) or ()
-                path = f"statistics.families.{name}.{key}"
-                if unknown := [item for item in items if item not in names]:
-                    yield f"{path}: {listed(unknown)}; known are {listed(names)}"
-                yield from _repeated(path, items)
+            named += [
+                (f"statistics.families.{name}.{key}", names, getattr(family, key) or ()) for key, names in known.items()
+            ]
+        for path, names, items in named:
+            if unknown := [item for item in items if item not in names]:
+                yield f"{path}: {listed(unknown)}; known are {listed(names)}"
+            yield from _repeated(path, items)
 
     def _figure_faults(self) -> Iterator[str]:
         known = self.benchmark.conditions

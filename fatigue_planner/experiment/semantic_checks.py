@@ -33,6 +33,11 @@ def semantic_errors(experiment: Experiment) -> list[str]:
             _cost_faults(experiment),
             _phase_faults(experiment),
             _tool_faults(experiment),
+            (
+                f"benchmark.policies.{name}.{fault}"
+                for name, policy in experiment.benchmark.policies.items()
+                for fault in policy.faults()
+            ),
             (fault for name, action in experiment.actions.items() for fault in _time_faults(experiment, name, action)),
             itertools.islice(target_faults(experiment, humans), MAX_TARGET_FAULTS),
         )

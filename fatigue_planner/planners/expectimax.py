@@ -9,9 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.jit import inlined_for_any_problem
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.search import leaf_value
 from fatigue_planner.planners.pomcp.tree import Array
+from fatigue_planner.pomdp.parts import is_legal, is_terminal
 from fatigue_planner.pomdp.problem import advance, expected_reward, observation_probability, outcome_probabilities
 from fatigue_planner.pomdp.simd import aligned
 
@@ -93,6 +95,10 @@ def best_return(
             levels.values[level, (levels.branch[level] - 1) // observations] += parameters.discount * best
             continue
         action, observation = levels.branch[level] // observations, levels.branch[level] % observations
+        if observation == 0 and not may(arrays, levels, level, action):
+            values[action] = -np.inf
+            levels.branch[level] += observations
+            continue
         if observation == 0:
             values[action] = 0.0
             for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
@@ -133,6 +139,9 @@ def last_cycle(
     observations = levels.probabilities.shape[1] if OBSERVATION_REVEALS_OUTCOME else N_OBSERVATIONS
     begin, below, values = levels.begin[level], levels.begin[level + 1], levels.values[level]
     for action in range(actions):
+        if not may(arrays, levels, level, action):
+            values[action] = -np.inf
+            continue
         if not LEAVES:
             values[action] = expected_now(arrays, levels, workspace, level, action)
             continue
@@ -146,6 +155,20 @@ def last_cycle(
                 leaf = Workspace(levels.states[row], workspace.moved, workspace.probabilities, *workspace[3:])
                 value = leaf_value(arrays, bound_arrays, leaf, parameters, actions, rng)
                 values[action] += parameters.discount * levels.weights[row] * value
+
+
+@inlined_for_any_problem
+def always_may(_arrays: Any, _levels: Levels, _level: int, _action: int) -> bool:
+    """The rule of a problem that forbids nothing."""
+    return True
+
+
+def may(arrays: Any, levels: Levels, level: int, action: int) -> bool:
+    """Template: whether every state of a level's belief permits an action; a task that has ended, any."""
+    for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
+        if not is_terminal(arrays, levels.states[i]) and not is_legal(arrays, levels.states[i], action):
+            return False
+    return True
 
 
 def expected_now(arrays: Any, levels: Levels, workspace: Workspace, level: int, action: int) -> float:

@@ -1,17 +1,18 @@
 """Full-width expectimax over the belief to a depth in cycles: a policy, and what decisions are measured against."""
 
 import time
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.errors import ExperimentError, ProblemError
+from fatigue_planner.core.jit import specialised
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.planners.expectimax import Levels, new_levels
+from fatigue_planner.planners.expectimax import Levels, best_return, new_levels
 from fatigue_planner.planners.plan_leaves import last_cycles_of, new_ends, plans_in_reach
-from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Vector, plain_decision
-from fatigue_planner.planners.pomcp.buffers import SearchParameters, new_workspace, tables
+from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Rule, Vector, plain_decision
+from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
     LEAF_VALUE,
     ROLLOUT_CYCLES,
@@ -20,9 +21,9 @@ from fatigue_planner.planners.pomcp.kernels import (
     lookahead_kernel,
     values_whole_beliefs,
 )
-from fatigue_planner.pomdp.beliefs.belief import Belief
-from fatigue_planner.pomdp.beliefs.moments import belief_in_moments
-from fatigue_planner.pomdp.cyclic_plans import most_plans
+from fatigue_planner.pomdp.beliefs.belief import Array, Belief
+from fatigue_planner.pomdp.beliefs.moments import MIN_STATES, belief_in_moments
+from fatigue_planner.pomdp.cyclic_plans import PlanValues, most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -77,12 +78,18 @@ class LookaheadPolicy(Policy):
 
     def values(self, belief: Belief, rng: np.random.Generator) -> Vector:
         """The return of every action, followed by the best ones, (A,)."""
-        settings = self.settings
-        if belief.model is not self._model:
+        settings, model, belief = self.settings, belief.model, belief.going_on()
+        if model is not self._model:
             if self._model is None:
-                belief.model.check_probabilities(belief.states)
-            self._model, self._kernel = belief.model, lookahead_kernel(belief.model, settings.leaf_value)
-        if settings.leaf_value in ("none", "bound"):
+                model.check_probabilities(belief.states)
+            if model.is_continuous:
+                raise ProblemError(
+                    "lookahead goes through every observation; this problem's are continuous: use pomcpow."
+                )
+            self._model, self._kernel = model, lookahead_kernel(model, settings.leaf_value)
+        else:
+            model.check_again(belief.states)
+        if settings.leaf_value in DRAWS_NOTHING:
             belief = belief_in_moments(belief)
         model = belief.model
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
@@ -93,24 +100,79 @@ class LookaheadPolicy(Policy):
         levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
         draws = rng if "rollout" in settings.leaf_value else None  # to hand it over takes a quarter of a small decision
-        self._kernel(model.arrays, bound_arrays, levels, ends, self._workspace, parameters, draws)
+        with model.told:
+            self._kernel(model.arrays, bound_arrays, levels, ends, self._workspace, parameters, draws)
         return np.asarray(levels.values[0].copy())
 
     def _room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
-        """Working memory: the levels, and what the last cycles need."""
+        """Working memory, kept from decision to decision."""
+        model = belief.model
+        plans = bound_arrays.constant.shape[1] if isinstance(bound_arrays, PlanValues) else 0
+        shape = *belief.states.shape, plans, len(model.actions), len(model.outcomes), len(model.observations)
+        if self._memory is None or self._shape != shape:
+            self._memory, self._shape = self._new_room(belief, bound_arrays), shape
+            self._workspace = new_workspace(belief.states.shape[1], len(belief.model.outcomes), 0)
+        return self._memory
+
+    def _new_room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
+        """The levels, and what the last cycles need."""
         model, (count, width), depth = belief.model, belief.states.shape, self.settings.depth
         actions, outcomes, observations = (len(names) for names in (model.actions, model.outcomes, model.observations))
-        plans, last = 0, 1
+        last = 1
+        ends: Any = 0
         if values_whole_beliefs(model, self.settings.leaf_value):
             assert isinstance(model, FatiguePomdp)
-            plans, last = bound_arrays.constant.shape[1], last_cycles_of(model, bound_arrays, depth)
-        shape = count, width, plans, last, actions, outcomes, observations
-        if self._memory is None or self._shape != shape:
-            levels = new_levels(count, width, depth + 1 - last, outcomes, actions, model.observation_reveals_outcome)
-            ends: Any = new_ends(actions, outcomes, observations, plans, width, last) if plans else 0
-            self._memory, self._shape = (levels, ends), shape
-            self._workspace = new_workspace(width, outcomes, 0)
-        return self._memory
+            last = last_cycles_of(model, bound_arrays, depth)
+            ends = new_ends(actions, outcomes, observations, bound_arrays.constant.shape[1], width, last)
+        levels = new_levels(count, width, depth + 1 - last, outcomes, actions, model.observation_reveals_outcome)
+        return levels, ends
+
+    def rule(self) -> Rule | None:
+        """See Policy.rule; rollouts draw."""
+        leaf_value = self.settings.leaf_value
+        if leaf_value not in DRAWS_NOTHING:
+            return None
+        return Rule(
+            lambda model: specialised(choose_best, best_return=lookahead_kernel(model, leaf_value)),
+            self._rule_memory,
+            most_states=MIN_STATES - 1,
+        )
+
+    def _rule_memory(self, belief: Belief) -> "RuleMemory":
+        settings, model = self.settings, belief.model
+        bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        return RuleMemory(
+            bound_arrays,
+            *self._new_room(belief, bound_arrays),
+            new_workspace(belief.states.shape[1], len(model.outcomes), 0),
+            SearchParameters(0.0, model.discount, settings.rollout_cycles, *tables(0)),
+        )
+
+
+# Leaf values that need no random numbers.
+DRAWS_NOTHING = ("none", "bound")
+
+
+class RuleMemory(NamedTuple):
+    """What `choose_best` works with."""
+
+    bound_arrays: Any
+    levels: Levels
+    ends: Any
+    workspace: Workspace
+    parameters: SearchParameters
+
+
+def choose_best(arrays: Any, memory: RuleMemory, states: Array, weights: Vector, rng: np.random.Generator) -> int:
+    """Template: the action that LookaheadPolicy takes."""
+    levels = memory.levels
+    for i in range(weights.size):
+        levels.weights[i] = weights[i]
+        for j in range(states.shape[1]):
+            levels.states[i, j] = states[i, j]
+    levels.size[0] = weights.size
+    best_return(arrays, memory.bound_arrays, levels, memory.ends, memory.workspace, memory.parameters, rng)
+    return int(np.argmax(levels.values[0]))
 
 
 class LookaheadSettings(PolicySettings):

@@ -1,15 +1,19 @@
 """The base classes of a policy, which chooses the robot's action from a belief, and of the settings that build it."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.core.plugins import Registry
+from fatigue_planner.core.errors import listed
+from fatigue_planner.core.plugins import Registry, plugin_sources
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.problem import Pomdp
 from fatigue_planner.pomdp.scenario import Knowledge
 
 Vector = NDArray[np.float64]
@@ -41,6 +45,19 @@ class Decision:
     reason: str
 
 
+class Rule(NamedTuple):
+    """How a policy decides from nothing but what it believes, as compiled code.
+
+    choose(problem): the function (arrays, memory, states, weights, rng) -> action, which draws nothing from `rng`
+    memory(belief): what it works with, for beliefs of at most as many states
+    most_states: beliefs of more states are decided otherwise
+    """
+
+    choose: Callable[[Pomdp], Any]
+    memory: Callable[[Belief], Any]
+    most_states: float = np.inf
+
+
 class Policy(ABC):
     """A policy for one run of the task; a new one is made for every run.
 
@@ -60,6 +77,18 @@ class Policy(ABC):
 
     def observe(self, action: int, observation: int) -> None:  # noqa: B027 - most policies need not know
         """Called after every cycle with what was done and seen; the next belief contains it, too."""
+
+    def ahead(self, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Counts:
+        """The actions of the coming cycles (n_cycles,), for a policy whose choices nothing that is observed can change.
+
+        Where a class has this, or a `rule`, beside its `act`, the benchmark runs many trials at once, with the same
+        results.
+        """
+        raise NotImplementedError
+
+    def rule(self) -> Rule | None:
+        """The policy as compiled code; None if it does not decide from its belief alone, or draws."""
+        return None
 
 
 class PolicySettings(Settings):
@@ -83,6 +112,17 @@ class PolicySettings(Settings):
         """By key of these settings, the actions that it names: the experiment must have them."""
         return {}
 
+    def faults(self) -> list[str]:
+        """What is wrong with them that their form does not show, each with its key."""
+        return []
+
+    def sources(self) -> dict[str, str]:
+        """What decides besides them and the package: digests of a plug-in's sources, and of data, by their names.
+
+        Raises PluginError for what is in no file.
+        """
+        return plugin_sources(type(self))
+
     def plans_endlessly(self) -> bool:
         """Whether it weighs tasks without end, which have no cost without a discount below 1."""
         return False
@@ -93,6 +133,21 @@ class PolicySettings(Settings):
 
 
 POLICIES = Registry("policy", PolicySettings)  # type: ignore[type-abstract]
+
+
+def action_number(chosen: object, names: Sequence[str]) -> int | None:
+    """The number of an action that is given by name or number, None for what is no action."""
+    if isinstance(chosen, str):
+        return names.index(chosen) if chosen in names else None
+    number = chosen.item() if isinstance(chosen, np.generic | np.ndarray) and chosen.ndim == 0 else chosen
+    if isinstance(number, bool) or not isinstance(number, int) or not 0 <= number < len(names):
+        return None
+    return number
+
+
+def expected_action(names: Sequence[str]) -> str:
+    """What an action must be, as a message says it."""
+    return f"{listed(names)}, or a number from 0 to {len(names) - 1}"
 
 
 def plain_decision(action: int, values: Vector, depth: int, duration_s: float, reason: str, belief: Belief) -> Decision:

@@ -10,18 +10,20 @@ from typing import Annotated, Any
 from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.planners.agent import AgentSettings
 from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
 from fatigue_planner.planners.fixed import FixedSettings
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import POLICIES, PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
+from fatigue_planner.planners.pomcp.sparse.pomcpow import PomcpowSettings
 from fatigue_planner.planners.robust_periodic import RobustPeriodicSettings
 from fatigue_planner.planners.threshold import ThresholdSettings
 
 KINDS = (
     RandomSettings, AlternatingSettings, GreedySettings, FixedSettings, PeriodicSettings, RobustPeriodicSettings,
-    ThresholdSettings, PomcpSettings, LookaheadSettings,
+    ThresholdSettings, PomcpSettings, PomcpowSettings, LookaheadSettings, AgentSettings,
 )  # fmt: skip
 for kind in KINDS:
     POLICIES.add(kind)

@@ -7,7 +7,7 @@ index of the worker it belongs to. Where the worker is known there is only one, 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -178,6 +178,8 @@ class FatiguePomdp(Pomdp):
     profiles: tuple[tuple[CycleProfile, ...], ...]
     workers: Workers
     cost: FatigueCost
+
+    is_trusted: ClassVar[bool] = True
 
     @property
     def is_experts(self) -> bool:

@@ -46,9 +46,13 @@ class Scenario:
             return self.model
         return self.model.for_workers(self.prior.at(uniforms[None]))
 
+    def start_number(self, uniform: float) -> int:
+        """Which of the states the worker starts in, for a uniform draw from [0, 1)."""
+        return int(draw(self.weights, uniform))
+
     def start(self, uniform: float) -> Vector:
         """The initial state for a uniform draw from [0, 1)."""
-        return np.asarray(self.states[draw(self.weights, uniform)])
+        return np.asarray(self.states[self.start_number(uniform)])
 
     def initial_belief(self, knows: Knowledge, true_model: FatiguePomdp, rng: np.random.Generator) -> Belief:
         """What a policy believes before the first cycle; `true_model` has the true worker."""

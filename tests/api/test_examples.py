@@ -17,7 +17,11 @@ OUTPUT = {
     "own_motion_task": "",
     "own_fatigue_law": "",
     "own_report_section": "",
-    "tiger": "Mean return of 50 games",
+    "train_agent": "learned",
+    "tiger": "Mean return of 100 games by lookahead",
+    "crying_baby": "exact value: -16.31",
+    "rock_sample": "Mean return of 10 games of RockSample[7,8]",
+    "light_dark": "Mean return of 20 games",
     "hidden_worker": "knows the truth",
 }
 

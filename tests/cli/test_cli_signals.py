@@ -49,8 +49,8 @@ def test_a_benchmark_stops_in_every_stage_and_ends_in_the_same_bytes(
     cache_folder: Path, tmp_path: Path, number: int, code: int
 ) -> None:
     """While it loads, while it runs, while it judges, while it publishes; each time the same command goes on."""
-    grid = ["--cycles", "20", "--conditions", "single_novice", "--policies", "greedy", "--policies", "alternating"]
-    few = [*grid, "--trials", "40", "--jobs", "1", "--regret"]
+    grid = ["--cycles", "20", "--conditions", "single_novice", "--policies", "pomcp_0.1", "--policies", "pomcp_0.001"]
+    few = [*grid, "--descents", "500", "--trials", "40", "--jobs", "1", "--regret"]
     results = tmp_path / "my results"
     command = ["benchmark", PAPER, "--cache", cache_folder, *few, "--results", results]
     parts = results / "paper" / "parts"

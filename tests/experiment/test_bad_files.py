@@ -250,7 +250,7 @@ def test_products_that_are_too_large_are_refused(tmp_path: Path) -> None:
     text = changed("benchmark", "    random: {kind: random}\n", policies + "    random: {kind: random}\n")
     file.write_text(text.replace("n_cycles: [5, 20, 100]", lengths))
     message = message_of(file)
-    assert "benchmark: 305721 combinations of conditions, n_cycles and policies; at most 100000." in message, message
+    assert "benchmark: 309339 combinations of conditions, n_cycles and policies; at most 100000." in message, message
     preferences = "".join(f"  p{i}: {{tasks: []}}\n" for i in range(30))
     text = changed("preferences", "  arm:", preferences + "  arm:")
     file.write_text(text.replace("  high:", f"  g: {{{GRID}}}\n  high:"))

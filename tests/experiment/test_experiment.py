@@ -7,6 +7,7 @@ import yaml
 from conftest import PAPER
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.experiment.benchmark_settings import paper_policies
 from fatigue_planner.experiment.loader import load_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
 
@@ -27,7 +28,8 @@ def test_the_papers_numbers_are_the_papers(paper: Experiment) -> None:
     assert paper.discount == 0.95 and paper.statistics.significance_level == 0.05
     assert [s.probability for s in paper.initial_beliefs["multiple"]] == [0.2, 0.4, 0.4]
     grid = paper.benchmark
-    assert grid.n_cycles == (5, 20, 100) and grid.trials == 100 and len(grid.policies) == 7
+    assert grid.n_cycles == (5, 20, 100) and grid.trials == 100
+    assert paper.statistics.policies == tuple(grid.policies)[:7] == tuple(paper_policies())
     assert [c.expertise for c in grid.conditions.values()] == [0, float("inf"), 0]
     searches = [p for p in grid.policies.values() if p.kind == "pomcp"]
     assert {(p.backup, p.exploration_constant) for p in searches} == {

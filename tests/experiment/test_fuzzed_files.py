@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from conftest import ROOT
-from hypothesis import given, seed, settings
+from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 from mutations import damaged
 
@@ -21,6 +21,7 @@ from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.sensitivity.study import load_study
 
 MAX_SECONDS = 2.0
+TRIES = 3
 MAX_MIB = 100  # that a single file may cost
 EXAMPLES_OF_A_RUN = 500
 EXPERIMENTS = ROOT / "experiments"
@@ -97,14 +98,21 @@ def peak_mib() -> float:
 
 
 def end_of(path: Path, load: Callable[[Path], object]) -> str:
-    """What becomes of a file: it is read or refused, as a bad file must be."""
+    """What becomes of a file: it is read or refused, as a bad file must be.
+
+    A file that takes long takes long each time: a second reading tells it from a pause of the machine.
+    """
     Path("/proc/self/clear_refs").write_text("5")  # resets the peak
-    before, begin, message = peak_mib(), time.process_time(), ""
-    try:
-        load(path)
-    except FatplanError as error:
-        message = str(error)
-    assert time.process_time() - begin < MAX_SECONDS
+    before, message = peak_mib(), ""
+    for _ in range(TRIES):
+        begin = time.thread_time()
+        try:
+            load(path)
+        except FatplanError as error:
+            message = str(error)
+        if (seconds := time.thread_time() - begin) < MAX_SECONDS:
+            break
+    assert seconds < MAX_SECONDS
     assert peak_mib() - before < MAX_MIB
     if not message:
         return "read"
@@ -142,6 +150,8 @@ def test_damaged_files_are_read_or_refused(change: str, count: int, tmp_path: Pa
     """Both ends must be reached, or this says nothing about one of them."""
     for file in EXPERIMENTS.glob("*.yaml"):  # so that the damaged files find those they name
         (tmp_path / file.name).write_bytes(file.read_bytes())
+    for load, names in KINDS:  # what the first file of a program costs is not the file's
+        load(EXPERIMENTS / f"{names[0]}.yaml")
     path = tmp_path / "damaged.yaml"
     ends = Counter[str]()
     known = {name: damages(change, EXPERIMENTS / f"{name}.yaml") for _, names in KINDS for name in names}
@@ -151,8 +161,10 @@ def test_damaged_files_are_read_or_refused(change: str, count: int, tmp_path: Pa
         path.write_bytes(data.draw(known[data.draw(st.sampled_from(names))]))
         ends[end_of(path, load)] += 1
 
-    # Hypothesis remembers every example of a run: of thousands, the garbage collector alone would take seconds.
+    # Hypothesis remembers every example of a run: of thousands, the garbage collector alone would take seconds. Its
+    # phase `explain` traces each line, so that a file would seem to take twenty times as long.
+    phases = (Phase.generate, Phase.shrink)
     for number in range(0, count, EXAMPLES_OF_A_RUN):
-        examples = settings(max_examples=min(count, EXAMPLES_OF_A_RUN), derandomize=False)
+        examples = settings(max_examples=min(count, EXAMPLES_OF_A_RUN), derandomize=False, phases=phases)
         seed(number)(examples(given(st.data())(read_or_refuse)))()
     assert min(ends["read"], ends["refused"]) >= sum(ends.values()) / 50, ends

@@ -67,9 +67,12 @@ def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -
     mine = smallest(human="paper")
     same = ("workers", "cycle", "preferences", "controller", "accuracy", "fatigue", "discount")
     assert [key for key in same if getattr(mine, key) != getattr(paper, key)] == []
-    same = ("policies", "n_cycles", "trials", "seed", "reference")
+    seven = {name: paper.benchmark.policies[name] for name in paper.statistics.policies or ()}
+    assert mine.benchmark.policies == seven
+    same = ("n_cycles", "trials", "seed", "reference")
     assert [key for key in same if getattr(mine.benchmark, key) != getattr(paper.benchmark, key)] == []
-    assert mine.statistics.model_copy(update={"families": paper.statistics.families}) == paper.statistics
+    own = {"families": paper.statistics.families, "policies": paper.statistics.policies}
+    assert mine.statistics.model_copy(update=own) == paper.statistics
     assert mine.tool.mass_kg == 0  # what is not mentioned is not in the hand
     assert mine.initial_beliefs["rested"] == paper.initial_beliefs["single"]
     assert {name: condition.expertise for name, condition in mine.benchmark.conditions.items()} == {
@@ -166,6 +169,7 @@ def test_a_file_to_begin_with_is_valid_and_never_overwritten(tmp_path: Path) -> 
     assert load_experiment(file).name == "no" and len(file.read_text().splitlines()) < 40
     assert fatplan("init", "mine", "--json", cwd=tmp_path).stdout == '{\n "file": "mine.yaml",\n "name": "mine"\n}\n'
     file.write_text("mine")
+    assert fatplan("init", "other.yaml", cwd=tmp_path).returncode == 0 and (tmp_path / "other.yaml").exists()
     done = fatplan("init", "no", cwd=tmp_path)
     assert done.returncode == 2 and "no.yaml: exists already" in done.stderr and file.read_text() == "mine"
     assert fatplan("init", "../mine", cwd=tmp_path).returncode == 2 and not (tmp_path.parent / "mine.yaml").exists()

@@ -33,7 +33,8 @@ from fatigue_planner.output.reports.results.sections.reactions import cycle_map_
 from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins
 from fatigue_planner.output.reports.results.sections.worth import worth_section
-from fatigue_planner.output.reports.study.finished import studies_of
+from fatigue_planner.output.reports.study.finished import read_study, studies_of
+from fatigue_planner.output.reports.study.page import deciding
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.reactions.reaction import Reaction, digests
 from fatigue_planner.study.benchmark.results import load_results
@@ -133,8 +134,8 @@ def test_the_first_sentences_say_what_planning_is_worth(
     (first, *_) = findings(data)
     cost = -pd.read_csv(tmp_path / "trials.csv").groupby(["condition", "policy"])["discounted_return"].mean()
     share = 1 - cost["single_novice", "ahead"] / cost["single_novice", "low"]
-    assert first.startswith(f"Single novice, 5 cycles: planning (`ahead`) saves {percent(share)} (")
-    assert "of the cost of the best fixed action (`low`)" in first and "closing the loop is worth" in first
+    assert first.startswith(f"Single novice, 5 cycles: planning (`ahead`) costs {percent(share)} (")
+    assert "less than the best fixed action (`low`)" in first and "closing the loop is worth" in first
     section = worth_section(data, FigureFolder(tmp_path))
     assert section is not None and len(pd.read_csv(tmp_path / "worth.csv")) == 3 * 4
     assert "What planning is worth is not known: the benchmark has no policy of kind" in made[0]
@@ -285,6 +286,23 @@ def test_a_study_of_other_reactions_or_settings_is_not_shown(paper: Experiment, 
     assert studies_of(paper.model_copy(update={"discount": 0.9}), tmp_path) == []
     publish_manifest(folder, "sensitivity", note | {"reactions": {"a": "other"}}, [folder / "lessons.txt"])
     assert studies_of(paper, tmp_path) == []
+
+
+def test_levels_that_are_numbers_and_names_that_look_like_some_are_text(paper: Experiment, tmp_path: Path) -> None:
+    """A study of ranges alone, and a planner called inf."""
+    row = {
+        "condition": "single_novice", "n_cycles": 5, "planner": "inf", "baseline": "NaN", "factor": "alpha",
+        "share": 0.5, "share_low": 0.4, "share_high": 0.6, "p_value": 0.01, "rank_share": 0.5, "rank_p_value": 0.01,
+        "chance": 0.1, "swing": 0.05, "least_at": "0.1", "most_at": "0.2",
+    }  # fmt: skip
+    (tmp_path / "lessons.txt").write_text("")
+    pd.DataFrame([row]).to_csv(tmp_path / "importance.csv", index=False)
+    headline = {"planner": "inf", "condition": "single_novice", "n_cycles": 5}
+    study = {"name": "study", "baselines": ["NaN"], "headline": headline, "space_filling": {"points": 4, "seed": 1}}
+    note = {"study": study, "experiment": paper.plain(), "seed": 1, "figures": [], "reactions": {}}
+    publish_manifest(tmp_path, "sensitivity", note, [tmp_path / "lessons.txt", tmp_path / "importance.csv"])
+    (table,) = deciding(read_study(tmp_path), "")
+    assert isinstance(table, Table) and "0.1 → 0.2" in table.rows[0] and table.rows[0][0] == "NaN"
 
 
 def test_identical_folders_are_called_so(small: Experiment, reactions: tuple[Reaction, ...], folder: Path) -> None:

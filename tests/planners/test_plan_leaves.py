@@ -14,6 +14,7 @@ from fatigue_planner.planners import lookahead as lookahead_module
 from fatigue_planner.planners import plan_leaves
 from fatigue_planner.planners.plan_leaves import in_reach, plans_in_reach
 from fatigue_planner.planners.pomcp.kernels import lookahead_kernel
+from fatigue_planner.pomdp.beliefs import moments
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.moments import belief_in_moments
@@ -77,6 +78,12 @@ def poses() -> FatiguePomdp:
         for (i, a), u in product(enumerate("abcdef"), "xy")
     }
     return build_pomdp("abcdef", "xy", profiles, np.zeros((1, 6)), one_worker(0.0), 0.95)
+
+
+@pytest.fixture(autouse=True)
+def every_state_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However few states there are, their moments take their place."""
+    monkeypatch.setattr(moments, "MIN_STATES", 2)
 
 
 @pytest.fixture

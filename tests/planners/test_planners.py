@@ -54,7 +54,7 @@ def test_greedy_is_the_one_step_optimum(expertise: float) -> None:
 def test_registry_builds_every_policy_of_the_paper(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     task = scenario(paper, cycle_profiles(paper, reactions), paper.benchmark.conditions["single_novice"])
     rng = np.random.default_rng(0)
-    kinds = {"lookahead", "fixed", "periodic", "robust_periodic", "threshold"}  # the paper has none
+    kinds = {"lookahead", "fixed", "periodic", "robust_periodic", "threshold", "pomcpow", "agent"}  # the paper has none
     for settings in paper.benchmark.policies.values():
         small = settings.model_copy(update={"descents": 50}) if isinstance(settings, PomcpSettings) else settings
         decision = small.build().act(task.initial_belief(settings.knows, task.model, rng), rng)

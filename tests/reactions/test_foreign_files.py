@@ -268,7 +268,10 @@ REFUSED: dict[str, tuple[Build, str]] = {
     "cut after the superblock": (cut(0.02), "cannot be read as HDF5"),
     "nothing but a checksum": (lambda _: with_checksum(bytes(600)), "cannot be read as HDF5"),
     "deep JSON": (key("[" * 100_000 + "]" * 100_000), NOT_OURS),
-    "deep JSON, whole": (key(valid_key(x=0).replace(':0', ':' + "[" * 3000 + "]" * 3000)), NOT_OURS),
+    # Python 3.13 reads so deep a text; then the hash is not that of the numbers.
+    "deep JSON, whole": (
+        key(valid_key(x=0).replace(':0', ':' + "[" * 3000 + "]" * 3000)), f"{NOT_OURS}|do not match their hash",
+    ),
     "NaN": (key(valid_key(x=0).replace('"x":0', '"x":NaN')), NOT_OURS),
     "a number too large": (key(valid_key(x=0).replace('"x":0', '"x":1e999')), NOT_OURS),
     "a key twice": (key(valid_key(x=0).replace('"x":0', '"x":0,"x":0')), "not as this program writes"),

@@ -224,7 +224,7 @@ def test_more_trials_reuse_the_first_ones(cells: list[Cell], tmp_path: Path) -> 
     first = sorted(path.name for path in tmp_path.glob("*/*.json"))
     results, _ = run_grid([cells[0]], tmp_path, LocalProcesses(1), lambda cell, n: None)
     assert sorted(results[0]) == list(range(12))
-    assert first == ["0-2.json"] and (tmp_path / cells[0].digest()[:16] / "3-7.json").exists()
+    assert first == ["0-2.json"] and (tmp_path / cells[0].digest()[:16] / "3-11.json").exists()
 
 
 def test_key_of_a_cell_knows_what_decides_its_trials(cells: list[Cell]) -> None:
@@ -282,8 +282,8 @@ def test_damaged_part_is_set_aside_and_run_again(cells: list[Cell], tmp_path: Pa
 
 
 def test_a_part_of_another_cell_is_set_aside(cells: list[Cell], tmp_path: Path) -> None:
-    run_grid(cells[:1], tmp_path, LocalProcesses(1), lambda cell, n: None)
-    ours, theirs = (tmp_path / cell.digest()[:16] for cell in cells[:2])
+    run_grid([cells[2]], tmp_path, LocalProcesses(1), lambda cell, n: None)
+    ours, theirs = (tmp_path / cell.digest()[:16] for cell in (cells[2], cells[1]))
     ours.rename(theirs)
     store = TrialStore(tmp_path)
     assert store.load(cells[1]) == {} and len(store.warnings) == len(list(theirs.glob("*.damaged-1"))) == 3

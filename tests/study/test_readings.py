@@ -34,8 +34,8 @@ STUDY: dict[str, Any] = {
     "name": "few",
     "base": str(PAPER),
     "grid": {
-        "conditions": ["single_novice"], "n_cycles": [5], "policies": ["alternating", "greedy"], "trials": 3,
-        "further_policies": {"planning": {"kind": "lookahead", "depth": 2}, "periodic": {"kind": "periodic"}},
+        "conditions": ["single_novice"], "n_cycles": [5], "policies": ["alternating", "greedy", "periodic"],
+        "trials": 3, "further_policies": {"planning": {"kind": "lookahead", "depth": 2}},
     },
     "planners": ["planning"],
     "baselines": ["greedy", "alternating", "periodic"],

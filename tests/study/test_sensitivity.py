@@ -121,6 +121,7 @@ def study(tmp_path: Path) -> Study:
         (span("range", 2, 9, "benchmark.trials"), "must be the same at all points"),
         (choice(a={"discount": 0.9}, b={"discount": 0.8}), "none is the experiment's own"),
         (choice(a={"discount": 0.9}, b={}), "levels.b: all levels must give the same keys"),
+        (choice(a={f"key_{number:04}": 1 for number in range(3000)}, b={}), "key_0049, … (3000 in all)"),
         (one_factor(kind="wheel"), "own.kind = 'wheel': should be one of 'range', 'scale', 'choice', 'readings'"),
         ({"factors": STUDY["factors"] | {"again": STUDY["factors"]["rollout"]}},
          "is already changed by factor 'rollout'"),
@@ -141,6 +142,14 @@ def test_faulty_studies_are_refused_with_one_message(tmp_path: Path, changes: di
     with pytest.raises(ExperimentError, match=re.escape(expected)) as error:
         load_study(path)
     assert str(path.parent) in str(error.value)
+
+
+def test_the_base_is_a_file_or_one_that_ships(tmp_path: Path) -> None:
+    assert load_study(write(tmp_path, {"base": "paper"})).base_file == PAPER
+    (tmp_path / "paper").write_text(PAPER.read_text())
+    assert load_study(write(tmp_path, {"base": "paper"})).base_file == tmp_path / "paper"
+    with pytest.raises(ExperimentError, match=r"papre: neither a file nor the name of one that ships"):
+        load_study(write(tmp_path, {"base": "papre"}))
 
 
 def test_a_part_of_a_key_taken_by_another_factor_is_refused(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from conftest import PAPER
+from conftest import PAPER, ROOT
 from settings_leaves import Leaf, Path, leaves
 
 from fatigue_planner.core.errors import ExperimentError
@@ -121,10 +121,17 @@ def _experiment() -> Content:
             for turn in range(3)
         },
     }
-    grid["policies"] |= {
+    grid["policies"] = {name: grid["policies"][name] for name in content["statistics"]["policies"]} | {
         "timed": {
             "kind": "pomcp", "backup": "mean", "exploration_constant": 0.1, "exploration": "scaled", "seconds": 0.01,
             "leaf_value": "random_rollout", "rollout_cycles": 5, "reuse_tree": True,
+        },
+        **{
+            f"widened_{turn}": {
+                "kind": "pomcpow", "exploration_constant": 0.1, "leaf_value": "greedy_rollout", "rollout_cycles": 5,
+                "observations_k": 2.0, "observations_alpha": 0.1, "actions_k": 2.0, "actions_alpha": 0.1, **budget,
+            }
+            for turn, budget in enumerate(({"descents": 20}, {"seconds": 0.01}))
         },
         "lookahead": {"kind": "lookahead", "depth": 1, "leaf_value": "greedy_rollout", "rollout_cycles": 5},
         "fixed": {"kind": "fixed", "action": "low"},
@@ -135,9 +142,12 @@ def _experiment() -> Content:
             for turn, workers in enumerate(content["hidden_workers"].values())
         },
         "threshold": {"kind": "threshold", "fatigue_threshold": 0.2, "recovery_threshold": 0.1},
+        "agent": {"kind": "agent", "agent": "agents:Trained", "data": str(ROOT / "LICENSE")},
+        "other_agent": {"kind": "agent", "agent": "agents:Other", "data": str(ROOT / "README.md")},
     }  # fmt: skip
     grid["n_cycles"] = [5, 20]
     grid["reference"] = {"kind": "lookahead", "depth": 1, "leaf_value": "bound", "rollout_cycles": 5}
+    content["statistics"]["policies"] = ["greedy", "random"]
     content["statistics"]["families"]["search"] = {
         "policies": ["greedy"], "against": ["random"], "conditions": ["single_novice"], "n_cycles": [5],
     }  # fmt: skip

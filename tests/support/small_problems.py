@@ -16,14 +16,18 @@ from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.planners.pomcp.tree import Tree
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.boltzmann import normalise_choice
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, build_pomdp, one_worker
+from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp
+from fatigue_planner.pomdp.scenario import Scenario, average_worker
 
 # --- artificial fatigue -------------------------------------------------------------------------------------------
 
 NOISY = np.array([[0.8, 0.2], [0.3, 0.7]])
 STARTS = np.array([[0.1, 0.6, 0.2], [0.4, 0.1, 0.3]])
+SEVERAL = np.array([[0.0, 0.0, 0.0], *STARTS])
 
 
 def choice_probabilities(costs: np.ndarray, expertise: float) -> np.ndarray:
@@ -68,6 +72,22 @@ def two_workers(recognition: np.ndarray | None = None) -> ExactBelief:
     model = small_model(0.0, recognition).for_workers(workers)
     states = np.array([model.state(fatigue, worker) for fatigue in STARTS for worker in (0, 1)])
     return ExactBelief(model, states, np.array([0.1, 0.2, 0.3, 0.4]))
+
+
+def known(expertise: float, starts: np.ndarray, recognition: np.ndarray | None = None) -> Scenario:
+    """A task whose worker is known."""
+    belief = belief_in(small_model(expertise, recognition), starts, np.full(len(starts), 1 / len(starts)))
+    return Scenario(belief.model, belief.states, belief.weights, None, ExactSettings(kind="exact"))
+
+
+def hidden() -> Scenario:
+    """One of four workers, who are novices or of some expertise."""
+    choice = {"kind": "choice", "values": [0.7, 1.4], "probabilities": [0.5, 0.5]}
+    prior = WorkerPrior(
+        HiddenWorker.model_validate({"fatigue_rate_factor": choice, "recovery_rate_factor": choice}, strict=False), 25.0
+    )
+    one = known(0.0, SEVERAL)
+    return replace(one, model=one.model.for_workers(average_worker(prior)), prior=prior)
 
 
 # --- problems given as tables, with a last cycle -----------------------------------------------------------------

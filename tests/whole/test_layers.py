@@ -17,7 +17,7 @@ ROOMS = [
 ]  # fmt: skip
 # The same inside the rooms that have several: from the ground up.
 INNER_ROOMS = {
-    "study": ["statistics", "benchmark", "claims", "sensitivity"],
+    "study": ["statistics", "benchmark", "environments", "claims", "sensitivity"],
     "output": ["viewer", "figures", "reports"],
     "planners": ["schedules", "pomcp", "bounds"],
 }

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.jit import inlined, kernel, specialised
-from fatigue_planner.planners.expectimax import best_return, expected_now, last_cycle, observe
+from fatigue_planner.planners.expectimax import always_may, best_return, expected_now, last_cycle, may, observe
 from fatigue_planner.planners.plan_leaves import last_cycles_and_plans
 from fatigue_planner.planners.pomcp.backups import (
     back_up_exact,
@@ -19,9 +19,17 @@ from fatigue_planner.planners.pomcp.backups import (
     expect_outcomes,
 )
 from fatigue_planner.planners.pomcp.leaf_values import greedy_rollout, no_value, problem_bound, random_rollout
+from fatigue_planner.planners.pomcp.rollouts import (
+    any_legal,
+    bound_until_the_end,
+    follow_policy,
+    greediest_legal,
+    of_the_problem,
+)
 from fatigue_planner.planners.pomcp.search import grow
 from fatigue_planner.planners.pomcp.ucb import note_nothing, note_spread, select_fixed, select_scaled
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
+from fatigue_planner.pomdp.parts import legal_always, terminal_never
 from fatigue_planner.pomdp.problem import Pomdp
 
 BackupName = Literal["mean", "max", "exact"]
@@ -60,7 +68,31 @@ def _expect_outcomes(model: Pomdp) -> Any:
     )
 
 
+def rules(model: Pomdp) -> Parts:
+    """What is legal, and what ends the task."""
+    dynamics = model.dynamics
+    return {"is_legal": dynamics.is_legal or legal_always, "is_terminal": dynamics.is_terminal or terminal_never}
+
+
+def _rollout(model: Pomdp, policy: Callable[..., Any], *names: str) -> Any:
+    """A rollout of a policy that calls some of the problem's functions."""
+    legal = {"is_legal": rules(model)["is_legal"]}
+    own = {name: model.parts.get(name) or getattr(model.dynamics, name) for name in names}
+    choose = specialised(policy, inlined, **own, **({} if policy is of_the_problem else legal))
+    return specialised(follow_policy, inlined, **rules(model), step=model.parts["step"], choose=choose)
+
+
+def _random_rollout(model: Pomdp) -> Any:
+    if model.dynamics.rollout is not None:
+        return _rollout(model, of_the_problem, "rollout")
+    if model.dynamics.shapes_the_search:
+        return _rollout(model, any_legal)
+    return specialised(random_rollout, inlined, step=model.parts["step"])
+
+
 def _greedy_rollout(model: Pomdp) -> Any:
+    if model.dynamics.shapes_the_search:
+        return _rollout(model, greediest_legal, "expected_reward")
     parts = {name: model.parts[name] for name in ("expected_reward", "step")}
     return specialised(greedy_rollout, inlined, **parts)
 
@@ -68,6 +100,9 @@ def _greedy_rollout(model: Pomdp) -> Any:
 def _problem_bound(model: Pomdp) -> Any:
     if model.dynamics.bound is None:
         raise ExperimentError("leaf value bound: this problem has none; use none, random_rollout or greedy_rollout.")
+    if model.dynamics.is_terminal is not None:
+        ends = rules(model)["is_terminal"]
+        return specialised(bound_until_the_end, inlined, bound=model.dynamics.bound, is_terminal=ends)
     return specialised(problem_bound, inlined, bound=model.dynamics.bound)
 
 
@@ -86,7 +121,7 @@ EXPLORATIONS: dict[ExplorationName, Exploration] = {
 }
 LEAF_VALUES: dict[LeafValueName, Callable[[Pomdp], Any]] = {
     "none": lambda _: no_value,
-    "random_rollout": lambda model: specialised(random_rollout, inlined, step=model.parts["step"]),
+    "random_rollout": _random_rollout,
     "greedy_rollout": _greedy_rollout,
     "bound": _problem_bound,
 }
@@ -120,7 +155,10 @@ def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
         "N_OBSERVATIONS": len(model.observations),
     }
     reveals = {"OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome}
-    own = specialised(observe, inlined, **parts, **reveals)
+    shared = {
+        "observe": specialised(observe, inlined, **parts, **reveals),
+        "may": specialised(may, inlined, **rules(model)) if model.dynamics.is_legal else always_may,
+    }
     if values_whole_beliefs(model, leaf_value):
         end: Any = last_cycles_and_plans
     else:
@@ -131,10 +169,10 @@ def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
             **constants,
             LEAVES=leaf_value != "none",
             expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
-            observe=own,
+            **shared,
             leaf_value=LEAF_VALUES[leaf_value](model),
         )
-    return specialised(best_return, kernel, **parts, **constants, observe=own, last_cycles=end)
+    return specialised(best_return, kernel, **parts, **constants, **shared, last_cycles=end)
 
 
 def values_whole_beliefs(model: Pomdp, leaf_value: LeafValueName) -> bool:

@@ -6,6 +6,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, explained
 from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
@@ -19,6 +20,7 @@ from fatigue_planner.planners.pomcp.kernels import (
     bound_arrays_for,
     search_kernel,
 )
+from fatigue_planner.planners.pomcp.sparse.policy import Search, SparsePolicy, needs_a_sparse_tree
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Tree, clear, graft, new_tree, node_type
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.problem import Pomdp
@@ -48,10 +50,13 @@ class PomcpPolicy(Policy):
         self._model: Pomdp | None = None
         self._kernel: Any = None
         self._depth = 0
+        self._sparse: SparsePolicy | None = None
 
     def act(self, belief: Belief, rng: np.random.Generator) -> Decision:
         """The action with the best estimated return at the root; ties go to the first."""
         begin = time.perf_counter()
+        if needs_a_sparse_tree(belief.model):
+            return self._sparse_search().act(belief, rng)
         root = self.tree(belief, rng, begin).nodes[0]
         visits = root["tried"].astype(np.int64)
         untried = visits == 0
@@ -61,6 +66,20 @@ class PomcpPolicy(Policy):
         values[untried] = np.nan
         reason = explained(f"best estimated return after {visits.sum()} descents", belief)
         return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
+
+    def _sparse_search(self) -> SparsePolicy:
+        """The search for problems that this one does not know. Raises ProblemError if a tree is to be reused."""
+        settings = self.settings
+        if settings.reuse_tree:
+            raise ProblemError(
+                "reuse_tree: a tree is not reused in a problem with many observations, or with more than three "
+                "functions of its own; leave it out."
+            )
+        if self._sparse is None:
+            search = settings.backup, settings.exploration, settings.exploration_constant
+            leaf = settings.leaf_value, settings.rollout_cycles
+            self._sparse = SparsePolicy(Search(*search, *leaf, settings.descents, settings.seconds))
+        return self._sparse
 
     def observe(self, action: int, observation: int) -> None:
         """If the tree is reused, keep its part below this action and observation for the next decision."""
@@ -85,6 +104,8 @@ class PomcpPolicy(Policy):
                 self._tree = self._spare = self._workspace = None
             self._model = model
             self._kernel = search_kernel(model, settings.backup, settings.exploration, settings.leaf_value)
+        else:
+            model.check_again(belief.states)
         if self._tree is not None and not self._kept:
             clear(self._tree)
         self._kept = False
@@ -100,9 +121,10 @@ class PomcpPolicy(Policy):
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         parameters = SearchParameters(constant, model.discount, settings.rollout_cycles, *self._tables)
-        depth = self._kernel(
-            model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, rng
-        )
+        with model.told:
+            depth = self._kernel(
+                model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, rng
+            )
         self._depth = max(self._depth, depth)
         return tree
 

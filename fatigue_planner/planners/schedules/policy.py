@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.errors import SelectionError, listed
-from fatigue_planner.planners.policy import Decision, Policy, plain_decision
+from fatigue_planner.planners.policy import Counts, Decision, Policy, plain_decision
 from fatigue_planner.planners.schedules.cost import schedule_cost
 from fatigue_planner.planners.schedules.search import Plan, Schedule, best_schedule
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -41,6 +41,11 @@ class SchedulePolicy(Policy):
         reason = f"place {place + 1} of {len(self._plan)} in the schedule {listed(actions[a] for a in self._plan)}"
         unknown = np.full(len(actions), np.nan)
         return plain_decision(self._plan[place], unknown, 0, time.perf_counter() - begin, reason, belief)
+
+    def ahead(self, belief: Belief, n_cycles: int, rng: np.random.Generator) -> Counts:
+        """See Policy.ahead."""
+        plan = np.array(self._plan or self.schedule(belief))
+        return plan[(self._cycle + np.arange(n_cycles)) % plan.size]
 
 
 def numbers_of(names: tuple[str, ...], belief: Belief) -> Plan:

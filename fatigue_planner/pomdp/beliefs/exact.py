@@ -4,13 +4,15 @@ With finitely many initial states and outcomes nothing has to be sampled. The se
 observation reveals the outcome (paper, section III-B), or where different histories lead to the same state.
 """
 
+import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from fatigue_planner.core.jit import specialised
+from fatigue_planner.core.jit import inlined, specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
-from fatigue_planner.pomdp.problem import Vector, advance, observation_probability, outcome_probabilities
+from fatigue_planner.pomdp.problem import Observation, Vector, advance, observation_probability, outcome_probabilities
 
 # No state that remains possible is forgotten, however unlikely: it is what remains if the others turn out to be
 # impossible.
@@ -27,7 +29,7 @@ class ExactBelief(Belief):
     [0.85, 0.15]
     """
 
-    def update(self, action: int, observation: int, rng: np.random.Generator) -> "ExactBelief":
+    def update(self, action: int, observation: Observation, rng: np.random.Generator) -> "ExactBelief":
         """Bayes' rule.
 
         b'(s') is proportional to the sum over s, u of P(o | s', a, u) P(u | s, a) b(s), with s' the state u
@@ -36,7 +38,11 @@ class ExactBelief(Belief):
         ignored. No weight falls below MIN_WEIGHT. `rng` is not used.
         """
         self.model.check(action, observation)
-        kernel = specialised(bayes, **{name: self.model.parts[name] for name in PARTS})
+        permitting = self.permitting(action)
+        if permitting is not self:
+            return permitting.update(action, observation, rng)
+        self.model.check_again(self.states, action)
+        kernel = specialised(bayes, **self.model.belief_parts)
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states, log_weights = kernel(
                 self.model.arrays,
@@ -50,14 +56,33 @@ class ExactBelief(Belief):
             )
             if log_weights.size:
                 break
-        weights = np.maximum(np.exp(log_weights - log_weights.max()), MIN_WEIGHT)
+        relative_weights(log_weights)
+        weights = log_weights
         if weights.size > self.weights.size:
             states, group = np.unique(states, axis=0, return_inverse=True)
             weights = np.bincount(group.ravel(), weights)
-        return ExactBelief(self.model, states, weights / weights.sum(), not (trust_outcome and trust_observation))
+        normalise(weights)
+        return ExactBelief(self.model, states, weights, not (trust_outcome and trust_observation))
 
 
-PARTS = ("outcome_probabilities", "advance", "observation_probability")
+@inlined
+def relative_weights(log_weights: Vector) -> None:
+    """In place, from log weights: weights of which the largest is 1 and none is below MIN_WEIGHT."""
+    largest = -np.inf
+    for i in range(log_weights.size):
+        largest = max(largest, log_weights[i])
+    for i in range(log_weights.size):
+        log_weights[i] = max(math.exp(log_weights[i] - largest), MIN_WEIGHT)
+
+
+@inlined
+def normalise(weights: Vector) -> None:
+    """Divide weights by their sum, in place."""
+    total = 0.0
+    for i in range(weights.size):
+        total += weights[i]
+    for i in range(weights.size):
+        weights[i] /= total
 
 
 def bayes(
@@ -65,7 +90,7 @@ def bayes(
     states: Array,
     weights: Vector,
     action: int,
-    observation: int,
+    observation: Any,
     outcomes: int,
     trust_outcome: bool,
     trust_observation: bool,

@@ -11,15 +11,18 @@ from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
+# Fewer states are as fast by themselves.
+MIN_STATES = 8
+
 
 def belief_in_moments(belief: Belief) -> Belief:
-    """The same belief with one state per worker, where all are novices, their cost is quadratic, and it gets shorter.
+    """The same belief with one state per worker, where all are novices, their cost is quadratic, and states are many.
 
     Planners that only ask for expected rewards, whatever is observed, find the same values in it.
     """
     model = belief.model
-    known = len(belief.weights) == 1
-    if known or not (isinstance(model, FatiguePomdp) and model.arrays.even and model.cost.is_quadratic):
+    few = len(belief.weights) < MIN_STATES
+    if few or not (isinstance(model, FatiguePomdp) and model.arrays.even and model.cost.is_quadratic):
         return belief
     used, worker = np.unique(belief.states[:, -1].astype(np.intp), return_inverse=True)
     if used.size == len(belief.weights):

@@ -5,6 +5,7 @@ them carry the weight, and a belief in a hidden worker moves them afterwards (re
 """
 
 from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.problem import (
+    Observation,
     Pomdp,
     Vector,
     advance,
@@ -86,10 +88,14 @@ class ParticleBelief(Belief):
         """Kong's effective sample size, 1 / sum of the squared weights."""
         return float(1 / np.square(self.weights).sum())
 
-    def update(self, action: int, observation: int, rng: np.random.Generator) -> "ParticleBelief":
+    def update(self, action: int, observation: Observation, rng: np.random.Generator) -> "ParticleBelief":
         """See Belief.update; an impossible observation is treated as by the exact belief."""
         self.model.check(action, observation)
-        kernel = specialised(move_particles, **{name: self.model.parts[name] for name in PARTS})
+        permitting = self.permitting(action)
+        if permitting is not self:
+            return permitting.update(action, observation, rng)
+        self.model.check_again(self.states, action)
+        kernel = specialised(move_particles, **self.model.belief_parts)
         uniforms = rng.random(len(self.weights))
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states = self.states.copy()
@@ -121,6 +127,14 @@ class ParticleBelief(Belief):
             return belief.resampled(rng)
         return belief
 
+    def among(self, chosen: NDArray[np.bool_]) -> Self:
+        """See Belief.among."""
+        log_weights = self.log_weights[chosen] - self.log_weights[chosen].max()
+        weights = np.exp(log_weights)
+        history = self.history and self.history.pick(np.flatnonzero(chosen))
+        states = self.states[chosen]
+        return replace(self, states=states, weights=weights / weights.sum(), log_weights=log_weights, history=history)
+
     def resampled(self, rng: np.random.Generator) -> "ParticleBelief":
         """Equally weighted particles by systematic resampling, then rejuvenated."""
         count = len(self.weights)
@@ -137,14 +151,11 @@ class ParticleBelief(Belief):
         return self
 
 
-PARTS = ("outcome_probabilities", "advance", "observation_probability")
-
-
 def move_particles(
     arrays: object,
     states: Array,
     action: int,
-    observation: int,
+    observation: Any,
     outcomes: int,
     trust_outcome: bool,
     trust_observation: bool,

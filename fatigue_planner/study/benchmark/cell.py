@@ -7,20 +7,22 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.files import digest_of_package
-from fatigue_planner.core.plugins import plugin_sources
 from fatigue_planner.core.provenance import versions_of
 from fatigue_planner.core.random_streams import draw_random_numbers, random_stream
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.scenario import Scenario
+from fatigue_planner.study.benchmark.compiled_trials import can_be_compiled, compiled_trials
 from fatigue_planner.study.benchmark.job import Job
 from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 
 # What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
 SOURCES = (
     "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
-    "study/benchmark/trial.py",
+    "study/benchmark/compiled_trials.py", "study/benchmark/trial.py",
 )  # fmt: skip
+# So many trials run together in compiled loops take less than a second.
+COMPILED_TRIALS = 1000
 NUMERICAL_LIBRARIES = ("numpy", "numba", "llvmlite", "scipy")
 
 
@@ -52,7 +54,7 @@ class Cell(Job[TrialResult]):
         """See Job.key."""
         return {
             "cell": [self.condition, self.n_cycles, self.policy, self.seed],
-            "policy": self.settings.plain() | plugin_sources(type(self.settings)),
+            "policy": self.settings.plain() | self.settings.sources(),
             "scenario": self.scenario.digest,
             "sources": digest_of_package(*SOURCES),
             "versions": versions_of(*NUMERICAL_LIBRARIES),
@@ -68,16 +70,31 @@ class Cell(Job[TrialResult]):
 
     def run(self, trials: Sequence[int]) -> dict[int, TrialResult]:
         """See Job.run."""
+        if can_be_compiled(self.scenario, self.settings):
+            key = (self.seed, self.condition, self.n_cycles)
+            return compiled_trials(self.scenario, self.settings, key, trials, self._planner)
+        return self.run_one_by_one(trials)
+
+    @property
+    def trials_at_once(self) -> int:
+        """See Job.trials_at_once."""
+        return COMPILED_TRIALS if can_be_compiled(self.scenario, self.settings) else 1
+
+    def run_one_by_one(self, trials: Sequence[int]) -> dict[int, TrialResult]:
+        """The same results as `run`, with every decision asked for and timed."""
         self._load_compiled_code(trials if self.scenario.prior else trials[:1])
         results = {}
         for trial in trials:
             random_numbers = draw_random_numbers(self.seed, self.condition, self.n_cycles, trial)
-            planner = random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
-            policy = self.settings.build()
+            policy, knows = self.settings.build(), self.settings.knows
             results[trial] = run_trial(
-                self.scenario, policy, self.settings.knows, self.n_cycles, random_numbers, planner
+                self.scenario, policy, knows, self.n_cycles, random_numbers, self._planner(trial)
             )
         return results
+
+    def _planner(self, trial: int) -> np.random.Generator:
+        """The planner's own stream in a trial."""
+        return random_stream(self.seed, "planner", self.condition, self.n_cycles, trial, self.policy)
 
     def _load_compiled_code(self, trials: Sequence[int]) -> None:
         """Throw-away decisions, one per worker, so that no planning time includes loading or compiling code."""

@@ -11,9 +11,10 @@ from fatigue_planner.core.random_streams import random_stream
 from fatigue_planner.study.benchmark.cell import Cell
 from fatigue_planner.study.benchmark.runner import TrialStore
 
-# So many cells are timed, each for so many cycles.
+# So many cells are timed, each for so many cycles, or for so many whole trials where these run together.
 TIMED_CELLS = 200
 TIMED_CYCLES = 3
+TIMED_TRIALS = 20
 MINUTES_FROM_S = 120
 
 
@@ -42,8 +43,9 @@ def duration_text(seconds: float) -> str:
 
 
 def _seconds_per_decision(cell: Cell) -> float:
-    brief = replace(cell, n_cycles=TIMED_CYCLES)
-    brief.run([0])  # loads the compiled code
+    many = cell.trials_at_once > 1
+    brief, trials = (cell, range(TIMED_TRIALS)) if many else (replace(cell, n_cycles=TIMED_CYCLES), range(1))
+    brief.run(trials)  # loads the compiled code
     begin = time.perf_counter()
-    brief.run([0])
-    return (time.perf_counter() - begin) / TIMED_CYCLES
+    brief.run(trials)
+    return (time.perf_counter() - begin) / (brief.n_cycles * len(trials))

@@ -36,6 +36,11 @@ class Job(ABC, Generic[T]):
     def trial_numbers(self) -> Sequence[int]:
         """The trials to do."""
 
+    @property
+    def trials_at_once(self) -> int:
+        """How many trials are best done together."""
+        return 1
+
     @abstractmethod
     def run(self, trials: Sequence[int]) -> dict[int, T]:
         """Do some trials."""

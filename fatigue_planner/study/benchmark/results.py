@@ -142,7 +142,8 @@ def publish_comparisons(
     folder: Path, trials: pd.DataFrame, settings: StatisticsSettings, seed: int
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Compare the policies; write comparison.csv and contrasts.csv, which are returned."""
-    comparison = comparison_table(trials, settings.significance_level)
+    shown = trials[trials["policy"].isin(settings.shown(trials["policy"]))]
+    comparison = comparison_table(shown, settings.significance_level)
     publish_csv(folder / COMPARISON_FILE, comparison)
     contrasted = contrasts(trials, settings, seed)
     publish_csv(folder / CONTRASTS_FILE, contrasted)

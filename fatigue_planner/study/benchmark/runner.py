@@ -5,7 +5,6 @@ published whole. Trials are keyed by job and number, so it does not matter how a
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -36,7 +35,7 @@ class TrialStore:
 
     def add(self, job: Job[T], results: Mapping[int, T]) -> None:
         """Keep some trials of a job. Raises OutputFolderError if they cannot be written."""
-        rows: list[Any] = [{"trial": trial, **asdict(results[trial])} for trial in sorted(results)]  # type: ignore[call-overload]
+        rows = [{"trial": trial, **vars(results[trial])} for trial in sorted(results)]
         digest = job.digest()
         content = {"cell": job.name, "digest": digest, "trials": rows}
         publish_with_checksum(self._folder(digest) / f"{min(results)}-{max(results)}.json", content)
@@ -94,7 +93,8 @@ def run_grid(
         results.append({trial: finished[trial] for trial in job.trial_numbers() if trial in finished})
         progress(job, len(results[index]))
         missing = [trial for trial in job.trial_numbers() if trial not in finished]
-        parts += [(index, missing[i : i + TRIALS_PER_PART]) for i in range(0, len(missing), TRIALS_PER_PART)]
+        size = max(TRIALS_PER_PART, job.trials_at_once)
+        parts += [(index, missing[i : i + size]) for i in range(0, len(missing), size)]
     parts.sort(key=lambda part: -grid[part[0]].effort * len(part[1]))
     lost = []
     for position, done in executor.run(_run, [(grid[index].part(trials), trials) for index, trials in parts]):

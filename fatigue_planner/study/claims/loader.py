@@ -6,7 +6,7 @@ from pathlib import Path
 
 from fatigue_planner.core.errors import ClaimsError, listed, shortened
 from fatigue_planner.core.file_kinds import FileKind
-from fatigue_planner.core.files import find_shipped
+from fatigue_planner.core.files import file_named_in, find_shipped
 from fatigue_planner.experiment.benchmark_settings import Benchmark
 from fatigue_planner.experiment.error_messages import joined_errors
 from fatigue_planner.experiment.loader import load_experiment, parse_settings, read_mapping
@@ -42,7 +42,7 @@ def load_claims(path: Path) -> Claims:
     """
     path = find_shipped(path)
     file = parse_settings(ClaimsFile, read_mapping(path, FileKind.CLAIMS, ClaimsError), str(path), ClaimsError)
-    experiment_file = path.parent / file.experiment
+    experiment_file = file_named_in(path, file.experiment)
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]
     if faults:

@@ -40,7 +40,10 @@ class Claim(Settings):
 class ClaimsFile(Settings):
     """The claims of a paper by name."""
 
-    experiment: Text = Field(max_length=1000, description="The experiment's file, relative to the folder of this file.")
+    experiment: Text = Field(
+        max_length=1000,
+        description="The experiment's file, relative to the folder of this file, or the name of one that ships.",
+    )
     claims: dict[Name, Claim] = Field(min_length=1, description="The claims by name.")
 
 

@@ -102,7 +102,7 @@ def _swings(own: pd.DataFrame, baseline: str) -> str:
         f"{row['factor']} (by {brief_percent(row['swing'])} of the cost, {row['least_at']} to {row['most_at']})"
         for _, row in widest.iterrows()
     )
-    return f"; changed one at a time, {named} move the gain over {baseline} most" if named else ""
+    return f"; changed one at a time, the gain over {baseline} moves most with {named}" if named else ""
 
 
 def _on_size(study: StudySettings, combined: pd.DataFrame, margin: float) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from fatigue_planner.core.errors import ExperimentError, shortened
+from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.settings import Name, Settings
 
 Level = float | str
@@ -31,7 +31,7 @@ def level_text(level: Level) -> str:
 
 def listed_values(values: BaseValues) -> str:
     """The experiment's own values as a message shows them."""
-    return ", ".join(f"{key} = {shortened(value)}" for key, value in values.items())
+    return listed(f"{key} = {shortened(value)}" for key, value in values.items())
 
 
 class FactorSettings(Settings):
@@ -99,7 +99,7 @@ class ChoiceSettings(NamedLevels):
         keys = set(self.changed_keys())
         for name, values in self.levels.items():
             if set(values) != keys:
-                raise ValueError(f"levels.{name}: all levels must give the same keys; {', '.join(sorted(keys))}")
+                raise ValueError(f"levels.{name}: all levels must give the same keys; {listed(sorted(keys))}")
         if not keys:
             raise ValueError("levels: give no key a value")
         return self

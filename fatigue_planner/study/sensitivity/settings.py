@@ -58,7 +58,9 @@ class StudySettings(Settings):
 
     name: Name = Field(description="Name of the study; results go to a folder of this name.")
     base: str = Field(
-        min_length=1, max_length=1000, description="The base experiment's file, relative to the folder of this file."
+        min_length=1,
+        max_length=1000,
+        description="The base experiment's file, relative to the folder of this file, or the name of one that ships.",
     )
     grid: Grid = Field(description="Which of the base experiment's runs are made at every point.")
     planners: tuple[Name, ...] = Field(min_length=1, description="Policies that are compared with the baselines.")
@@ -74,7 +76,7 @@ class StudySettings(Settings):
         min_length=1,
         max_length=1000,
         description="A file of claims about the base experiment that are judged at every point, relative to the folder "
-        "of this file.",
+        "of this file, or the name of one that ships.",
     )
     factors: dict[Name, AnyFactor] = Field(
         min_length=1, max_length=MAX_FACTORS, description="Choices that could have been different, by name."

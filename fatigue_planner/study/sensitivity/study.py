@@ -9,7 +9,7 @@ from typing import Any
 
 from fatigue_planner.core.errors import ExperimentError, listed, shortened
 from fatigue_planner.core.file_kinds import FileKind
-from fatigue_planner.core.files import find_shipped
+from fatigue_planner.core.files import file_named_in, find_shipped
 from fatigue_planner.experiment.loader import (
     complete_content,
     parse_experiment,
@@ -26,6 +26,8 @@ from fatigue_planner.study.sensitivity.settings import StudySettings
 KeyPath = tuple[str, ...]
 # Keys that must be the same at all points, so that their results can be compared, or that are not part of a point.
 FIXED = ("name", "figures", "statistics", "benchmark.n_cycles", "benchmark.trials", "benchmark.seed")
+# Keys of the base experiment's statistics that are about its own grid.
+OF_ITS_GRID = ("policies", "families")
 MIN_TRIALS = 2
 MAX_REACTIONS = 500
 
@@ -70,7 +72,7 @@ def load_study(path: Path) -> Study:
     settings = parse_settings(
         StudySettings, read_mapping(path, FileKind.STUDY, ExperimentError), str(path), ExperimentError
     )
-    base_file = path.parent / settings.base
+    base_file = file_named_in(path, settings.base)
     try:
         base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
         content = _with_grid(base_content, settings)
@@ -109,8 +111,8 @@ def load_study(path: Path) -> Study:
 def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
     if settings.claims is None:
         return None
-    claims = load_claims(path.parent / settings.claims)
-    if claims.experiment_file.resolve() != (path.parent / settings.base).resolve():
+    claims = load_claims(file_named_in(path, settings.claims))
+    if claims.experiment_file.resolve() != file_named_in(path, settings.base).resolve():
         raise ExperimentError(
             f"{path}: claims = {settings.claims!r}: are about {claims.experiment_file}, not the base."
         )
@@ -140,7 +142,7 @@ def _with_grid(content: Mapping[str, Any], settings: StudySettings) -> dict[str,
         **content,
         "name": settings.name,
         "benchmark": {**benchmark, **changes},
-        "statistics": {key: value for key, value in content["statistics"].items() if key != "families"},
+        "statistics": {key: value for key, value in content["statistics"].items() if key not in OF_ITS_GRID},
         "figures": {},
     }
 
@@ -232,4 +234,4 @@ def _suggestion(node: Any, path: KeyPath, rest: str) -> str:
     close = difflib.get_close_matches(rest.split(".", maxsplit=1)[0], node, n=1)
     if close:
         return f"; did you mean {'.'.join([*path, close[0]])!r}?"
-    return f"; {where} has {', '.join(node)}."
+    return f"; {where} has {listed(node)}."

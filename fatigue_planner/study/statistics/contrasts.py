@@ -122,7 +122,7 @@ def contrasts(trials: pd.DataFrame, settings: StatisticsSettings, seed: int) -> 
     """
     runs = runs_by_policy(trials)
     rows = []
-    for family, pair in pairs_by_family(trials, settings.families):
+    for family, pair in pairs_by_family(trials, settings.families, settings.shown(trials["policy"])):
         pairs = pair_runs(runs[*pair.cell, pair.first], runs[*pair.cell, pair.second])
         rows.append(asdict(compute_contrast(family, pair, pairs, settings, seed)))
     table = pd.DataFrame(rows, columns=COLUMNS)
@@ -150,6 +150,8 @@ def side_by_side(first: pd.DataFrame, second: pd.DataFrame, settings: Statistics
         rows.append(both[(both["trial"] < both["most"]) | both["deterministic_there"]].assign(table=label))
     runs = pd.concat(rows, ignore_index=True)
     runs["condition"] = runs["condition"] + "/" + runs["policy"]
-    table = contrasts(runs.assign(policy=runs["table"]), settings.model_copy(update={"families": {}}), seed)
+    table = contrasts(
+        runs.assign(policy=runs["table"]), settings.model_copy(update={"families": {}, "policies": None}), seed
+    )
     cells = table["condition"].str.rsplit("/", n=1, expand=True) if len(table) else pd.DataFrame(columns=[0, 1])
     return table.assign(condition=cells[0], policy=cells[1])

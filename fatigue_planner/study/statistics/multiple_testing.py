@@ -1,6 +1,6 @@
 """Families of comparisons, and the correction of their p-values for how many they are (Holm)."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -45,9 +45,12 @@ class Pair:
         return self.condition, self.n_cycles
 
 
-def pairs_by_family(trials: pd.DataFrame, families: Mapping[str, Family]) -> list[tuple[str, Pair]]:
+def pairs_by_family(
+    trials: pd.DataFrame, families: Mapping[str, Family], policies: Collection[str] | None = None
+) -> list[tuple[str, Pair]]:
     """The pairs of all families, in the order of the families, cells and policies.
 
+    `policies` are those of a family that names none; None: all.
     `trials` has the columns condition, n_cycles and policy; a pair is ordered as its policies first appear there, or,
     in a family with `against`, by that. A pair is in a family once per cell, never a policy with itself. What a
     family names but the table lacks is left out: a command may have restricted the grid.
@@ -61,19 +64,19 @@ def pairs_by_family(trials: pd.DataFrame, families: Mapping[str, Family]) -> lis
     return [
         (name, Pair(*cell, first, second))
         for name, family in (families or EVERYTHING).items()
-        for cell, policies in cells.items()
+        for cell, there in cells.items()
         if _names(family.conditions, cell[0]) and _names(family.n_cycles, cell[1])
-        for first, second in _pairs([policy for policy in order if policy in policies], family)
+        for first, second in _pairs([policy for policy in order if policy in there], family, policies)
     ]
 
 
-def _pairs(policies: list[str], family: Family) -> list[tuple[str, str]]:
-    own = [policy for policy in policies if _names(family.policies, policy)]
+def _pairs(there: list[str], family: Family, usual: Collection[str] | None) -> list[tuple[str, str]]:
+    own = [policy for policy in there if _names(usual if family.policies is None else family.policies, policy)]
     if family.against is None:
         return list(combinations(own, 2))
-    pairs = [(first, second) for first in own for second in policies if second in family.against and second != first]
+    pairs = [(first, second) for first in own for second in there if second in family.against and second != first]
     return [pair for index, pair in enumerate(pairs) if pair[::-1] not in pairs[:index]]
 
 
-def _names(names: tuple[object, ...] | None, name: object) -> bool:
+def _names(names: Collection[object] | None, name: object) -> bool:
     return names is None or name in names

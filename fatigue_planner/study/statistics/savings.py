@@ -31,6 +31,12 @@ class Saving:
         """The same as what `policy` costs more."""
         return replace(self, share=-self.share, low=-self.high, high=-self.low)
 
+    def compared(self, what: str) -> str:
+        """`2 % less than` something or, where `policy` costs more, `2 % more than`."""
+        if self.share < 0:
+            return f"{self.turned().text()} more than {what}"
+        return f"{self.text()} less than {what}" if self.share > 0 or self.low < self.high else f"as much as {what}"
+
     def text(self) -> str:
         """The share, with its interval if it has one."""
         interval = f" ({percent_range(self.low, self.high)})" if self.low < self.high else ""

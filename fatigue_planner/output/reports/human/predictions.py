@@ -14,7 +14,7 @@ from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.payload import CarriedMass
 from fatigue_planner.motion.posture_measures import lean
-from fatigue_planner.motion.settings import Controller, Cycle, Segment
+from fatigue_planner.motion.settings import Accuracy, Controller, Cycle, Segment
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
@@ -83,9 +83,13 @@ def _angle_deg(motion: Motion, name: str) -> float:
 
 def _kingma(height_m: float, expected: float) -> Callable[[Worker], tuple[str, bool]]:
     def ask(worker: Worker) -> tuple[str, bool]:
-        squat, stoop = (_back_moment_nm(_lift(worker, style, height_m, KINGMA_KG)) for style in ("squat", "stoop"))
+        lifts = {style: _lift(worker, style, height_m, KINGMA_KG) for style in ("squat", "stoop")}
+        squat, stoop = (_back_moment_nm(motion) for motion in lifts.values())
         share = squat / stoop
         text = f"{fixed(squat, 0)} N·m in the squat, {fixed(stoop, 0)} in the stoop: {fixed(share, 2)} times as much"
+        for style, motion in lifts.items():
+            if (miss := float(motion.hand_error_m[motion.phase("work")].max())) > Accuracy().hand_error_m:
+                text += f"; in the {style} the hands stay up to {fixed(1000 * miss, 0)} mm from the box"
         return text, abs(share - expected) <= SPREAD
 
     return ask

@@ -17,6 +17,8 @@ from fatigue_planner.study.sensitivity.settings import Headline, SpaceFilling
 COMMAND = "fatplan sensitivity"
 CONCLUSIONS_FILE = "lessons.txt"
 FIGURES = "figures"
+# Columns that are text even where all of it looks like numbers.
+TEXTS = ("point", "condition", "planner", "baseline", "policy", "factor", "level", "least_at", "most_at")
 # Keys that may differ between a study's base and the experiment of a report: a study has its own grid.
 OF_THE_GRID = ("name", "benchmark", "statistics", "figures")
 
@@ -91,4 +93,4 @@ def studies_of(experiment: Experiment, results: Path) -> list[FinishedStudy]:
 
 
 def _table(path: Path) -> pd.DataFrame:
-    return pd.read_csv(path, keep_default_na=False, na_values=[""])
+    return pd.read_csv(path, dtype=dict.fromkeys(TEXTS, str), keep_default_na=False, na_values=[""])

@@ -11,10 +11,10 @@ from fatigue_planner.output.reports.page import Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.study.benchmark.worth import ALTERNATIVES, PlanningWorth, Role, planning_worth, roles_of
 
-# A saving as part of a sentence: what is saved of whose cost.
-OF = {
-    Role.FIXED: "of the cost of the best fixed action", Role.REACTIVE: "of that of the best reactive rule",
-    Role.GREEDY: "of that of greedy",
+# What is done without planning, as part of a sentence; what is said of the schedule comes last.
+WORDS = {
+    Role.FIXED: "the best fixed action", Role.REACTIVE: "the best reactive rule", Role.GREEDY: "the best greedy policy",
+    Role.SCHEDULE: "the best schedule",
 }  # fmt: skip
 
 
@@ -32,19 +32,14 @@ def worth_sentences(report_data: ReportData) -> list[str]:
 
 
 def _sentence(worth: PlanningWorth) -> str:
+    parts = [
+        worth.savings[role].compared(f"{words} (`{worth.savings[role].over}`)")
+        for role, words in WORDS.items()
+        if role in worth.savings
+    ]
+    loop = ", which is what closing the loop is worth" if Role.SCHEDULE in worth.savings else ""
     begin = f"{format_label(worth.condition).capitalize()}, {worth.n_cycles} cycles: planning (`{worth.planner}`)"
-    parts = [f"{worth.savings[role].text()} {words} ({_named(worth, role)})" for role, words in OF.items()
-             if role in worth.savings]  # fmt: skip
-    saves = f" saves {listing(parts)}" if parts else ""
-    schedule = worth.savings.get(Role.SCHEDULE)
-    if schedule is None:
-        return f"{begin}{saves}."
-    loop = f"closing the loop is worth {schedule.text()} over the best schedule ({_named(worth, Role.SCHEDULE)})"
-    return f"{begin}{saves}{'; ' if parts else ': '}{loop}."
-
-
-def _named(worth: PlanningWorth, role: Role) -> str:
-    return f"`{worth.savings[role].over}`"
+    return f"{begin} costs {listing(parts)}{loop}."
 
 
 def worth_section(report_data: ReportData, figures: FigureFolder) -> Section | None:
