@@ -65,7 +65,7 @@ def write(folder: Path, text: str, name: str = "mine") -> Path:
 def policies(**named: object) -> dict[str, PolicySettings]:
     content = read_content(PAPER)
     content["benchmark"] = content["benchmark"] | {"policies": named}
-    content["statistics"] = {**content["statistics"], "families": {}}
+    content["statistics"] = {}
     return dict(parse_experiment(content, "mine.yaml").benchmark.policies)
 
 

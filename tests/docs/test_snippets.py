@@ -177,7 +177,7 @@ def as_experiment(fragment: dict[str, Any], path: Path) -> Path:
     """The paper's experiment with the sections of a fragment, as a file."""
     content = yaml.safe_load(PAPER.read_text(encoding="utf-8"))
     if "conditions" in fragment.get("benchmark", {}) or "policies" in fragment.get("benchmark", {}):
-        content["statistics"].pop("families")
+        content["statistics"] = {}
         content["figures"] = {}
     for section, value in fragment.items():
         content[section] = content[section] | value if section in MERGED else value

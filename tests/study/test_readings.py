@@ -175,6 +175,7 @@ def test_what_holds_under_all_some_and_no_readings() -> None:
     assert agreement(study, gains, None)["kind"].eq("gain").all()
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_same_bytes_and_the_report_shows_it(tmp_path: Path, cache_folder: Path) -> None:
     """One process or two, in one go or resumed."""
     from commands import fatplan

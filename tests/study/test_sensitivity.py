@@ -230,6 +230,7 @@ def own_cache(cache_folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(cache_folder, tmp_path / "own_cache"))
 
 
+@pytest.mark.slow
 def test_what_cannot_be_performed_is_kept_and_says_why(tmp_path: Path, own_cache: Path) -> None:
     """A man too short for the object on the shelf, by geometry; another by simulation."""
     short = span("range", 0.5, 3.0, "actions.high.right_hand.position_m.x")
