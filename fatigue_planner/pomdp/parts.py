@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.jit import inlined
+from fatigue_planner.core.jit import inlined, inlined_for_any_problem
 
 Vector = NDArray[np.float64]
 
@@ -209,25 +209,25 @@ def legal_until_the_end(arrays: Any, state: Vector, action: int) -> bool:
     return bool(is_terminal(arrays, state) or is_legal(arrays, state, action))
 
 
-@inlined
+@inlined_for_any_problem
 def not_asked(_arrays: Any, _state: Vector, _action: int, _outcome: int, _observation: int) -> float:
     """Stands for the probability of an observation where observations are continuous, and none is asked for."""
     return 1.0
 
 
-@inlined
+@inlined_for_any_problem
 def legal_always(_arrays: Any, _state: Vector, _action: int) -> bool:
     """The rule of a problem that forbids nothing."""
     return True
 
 
-@inlined
+@inlined_for_any_problem
 def terminal_never(_arrays: Any, _state: Vector) -> bool:
     """The rule of a problem without end."""
     return False
 
 
-@inlined
+@inlined_for_any_problem
 def without_prior(_arrays: Any, _state: Vector, _action: int) -> tuple[float, float]:
     """Nothing is known of an action before it is tried."""
     return 0.0, 0.0

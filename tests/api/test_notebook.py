@@ -4,6 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from conftest import ROOT
 
 # What a kernel does, without one: docs/api.md names the real kernels that were tried.
@@ -60,6 +61,7 @@ except fp.FatplanError as error:
 """
 
 
+@pytest.mark.slow
 def test_cells_can_be_run_again(tmp_path: Path, cache_folder: Path) -> None:
     task = (ROOT / "examples/own_motion_task.py").read_text()
     cells = {

@@ -34,6 +34,7 @@ def test_a_damaged_entry_is_exit_code_4_and_mended_by_simulate(cache_folder: Pat
     assert done.returncode == 0 and "set aside" in done.stderr and "3 found in the cache, 1 simulated" in done.stdout
 
 
+@pytest.mark.slow
 def test_what_is_out_of_reach_is_kept_and_left_out_of_what_follows(tmp_path: Path) -> None:
     """Near enough for the chain of all limbs, too far for a standing worker: found by simulating."""
     path, cache, results = tmp_path / "far.yaml", tmp_path / "cache", tmp_path / "results"

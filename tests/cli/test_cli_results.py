@@ -257,7 +257,7 @@ def test_the_same_as_json(results: Path, cache_folder: Path) -> None:
         for name, digest in found["files"].items():
             assert hashlib.sha256((results / name).read_bytes()).hexdigest() == digest
     both = document("compare", results, results)
-    assert len(both["contrasts"]) == 63 and both["same_worlds"] and both["settings"] == {}
+    assert len(both["contrasts"]) == 117 and both["same_worlds"] and both["settings"] == {}
 
 
 @pytest.mark.parametrize("command", [FIGURES, pytest.param(["report"], marks=pytest.mark.slow)], ids="-".join)

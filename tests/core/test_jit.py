@@ -1,8 +1,11 @@
 """Compiled kernels: never stale, equal to plain Python bit for bit, and draws that respect impossibility."""
 
+import importlib
+import inspect
 import json
 import os
 import pickle
+import pkgutil
 import stat
 import subprocess
 import sys
@@ -14,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tiger
+from numba.core.dispatcher import Dispatcher as CPUDispatcher
 from small_problems import (
     EXPERTISES,
     NOISY,
@@ -27,6 +31,7 @@ from small_problems import (
     two_workers,
 )
 
+import fatigue_planner
 from fatigue_planner.core.jit import PRIVATE_FOLDER, _meaning, cache_folder
 from fatigue_planner.planners.pomcp.backups import expect_nothing
 from fatigue_planner.planners.pomcp.leaf_values import no_value
@@ -267,8 +272,22 @@ def test_one_programs_problem_does_not_disturb_another_program(tmp_path: Path) -
 
 def test_functions_that_get_a_problems_own_types_are_not_kept() -> None:
     """Else the file that lists what is kept could not be read by programs that do not know these types."""
-    for function in (no_value, expect_nothing, tiger.advance):
-        assert function.stats.cache_path is None
+    found = [no_value, expect_nothing, tiger.advance]
+    for module in pkgutil.walk_packages(fatigue_planner.__path__, "fatigue_planner."):
+        if module.name.startswith(("fatigue_planner.pomdp.", "fatigue_planner.planners.")):
+            found += [value for value in vars(importlib.import_module(module.name)).values() if _gets_any_arrays(value)]
+    assert len({function.py_func for function in found}) >= 7
+    assert [function.py_func for function in found if function.stats.cache_path is not None] == []
+
+
+def _gets_any_arrays(value: object) -> bool:
+    """Whether it is a compiled function that gets the arrays of any problem."""
+    if not isinstance(value, CPUDispatcher):
+        return False
+    parameters = inspect.signature(value.py_func).parameters
+    return any(
+        name.strip("_") in {"arrays", "bound_arrays"} and parameters[name].annotation is Any for name in parameters
+    )
 
 
 def test_modules_without_a_file_are_no_obstacle() -> None:

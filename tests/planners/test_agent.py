@@ -129,7 +129,8 @@ def test_the_benchmark_compares_it_and_tells_its_faults(cache_folder: Path, tmp_
     """With statistics, in worker processes; a changed agent is run again; an error has its file and line."""
     text = PAPER.read_text(encoding="utf-8")
     path, plugin = tmp_path / "mine.yaml", tmp_path / "mine.py"
-    path.write_text(text.replace("random: {kind: random}", 'mine: {kind: agent, agent: "mine:act"}'), encoding="utf-8")
+    text = text.replace("random: {kind: random}", 'mine: {kind: agent, agent: "mine:act"}')
+    path.write_text(text.replace("policies: [random,", "policies: [mine,"), encoding="utf-8")
     command = ["benchmark", path, "--plugin", plugin, "--cache", cache_folder, "--results", tmp_path / "results"]
     command += ["--cycles", "5", "--trials", "6", "--conditions", "single_novice"]
     command += ["--policies", "mine", "--policies", "greedy"]

@@ -18,7 +18,9 @@ import pytest
 from conftest import ROOT
 from planted_faults import FAULTS, Fault
 
-PARTS = ("fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md")
+PARTS = (
+    "fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md", "LICENSE",
+)  # fmt: skip
 MAX_SECONDS = 900
 # How a message begins where a test found another result than it expects; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")

@@ -6,8 +6,7 @@ import numpy as np
 
 from fatigue_planner.core.jit import inlined_for_any_problem
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
-from fatigue_planner.planners.pomcp.tree import Vector
-from fatigue_planner.pomdp.problem import expected_reward, step
+from fatigue_planner.pomdp.parts import bound, expected_reward, step
 
 
 @inlined_for_any_problem
@@ -68,11 +67,6 @@ def greedy_rollout(
         gained += weight * reward
         weight *= parameters.discount
     return gained
-
-
-def bound(bound_arrays: Any, state: Vector) -> float:
-    """Placeholder for the problem's own bound."""
-    raise NotImplementedError
 
 
 def problem_bound(
