@@ -124,4 +124,4 @@ def _allowed_together(found: Examined, cache: ReactionCache, command: str) -> tu
 
 
 def _judged(outcome: Outcome, verdict: Verdict) -> Judged:
-    return Judged(outcome.doing, verdict.level, verdict.by, verdict.fatigue, verdict.judgements)
+    return Judged(outcome.doing, verdict.level, verdict.by, verdict.warned_by, verdict.fatigue, verdict.judgements)

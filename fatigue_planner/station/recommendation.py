@@ -74,6 +74,7 @@ def summaries(station: Station, places: Sequence[PlaceForWorker], judged: Mappin
                     tuple(each.worker for each in here if each.way is None),
                     level,
                     _most([rule for each in worst for rule in each.by]),
+                    _most([rule for each in reached for rule in each.warned_by]),
                     tired.fatigue.peak if tired else None,
                     tired.fatigue.entry if tired else "",
                     float(np.mean([each.fatigue.cost for each in reached])) if reached else None,

@@ -32,6 +32,7 @@ BEST_BY = (
     "A joint loses at most {peak:.0%} of its strength there; the next best, {others}, costs {more:.0%} more fatigue"
 )
 BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
+WARNED = "{operation} at {place}: not acceptable by {rules}, which only warns (binding)"
 NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
 COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
 WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
@@ -135,6 +136,10 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         yield Phrase(BEST_BY, {"peak": best.peak, "others": others, "more": best.next_above})
     else:
         yield Phrase(BEST_ONLY, {"peak": best.peak})
+    for each in summaries:
+        if each.place == best.places[each.operation] and each.warned_by:
+            values: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.warned_by)}
+            yield Phrase(WARNED, values)
     yield from _compared(summaries, best.places)
 
 
