@@ -34,7 +34,7 @@ def assess(
     """Assess a STATION: who can work where, what is not acceptable by which rule, and which place is best.
 
     Every worker does every operation at every place in every way. What cannot be reached, or only as nobody would work,
-    is an answer, not an error. Files: assessment.json, outcomes.csv and indicators.csv in the results folder.
+    is an answer, not an error. Files in the results folder: assessment.json, places.csv, outcomes.csv, indicators.csv.
     `fatplan init --station NAME` writes a station to fill in.
     """
     from fatigue_planner.core.files import writable_folder
