@@ -15,6 +15,7 @@ from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.registry import KINDS, evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level, Origin, Phrase, Span
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
+from fatigue_planner.ergonomics.unknown import Unknown, spanned
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -86,6 +87,21 @@ def test_a_plug_in_adds_an_indicator(reactions: tuple[Reaction, ...]) -> None:
 
     with pytest.raises(PluginError, match="'rula' is already defined"):
         fp.register(Taken)
+
+
+def test_a_range_spans_all_that_may_be() -> None:
+    """Every input alone from the first values, and all of them together, in any order of what they make worse."""
+    unknown = [
+        Unknown("a", 1.0, ((3.0, Phrase("if three")), (2.0, Phrase("if two")))),
+        Unknown("b", 1.0, ((-5.0, Phrase("if negative")), (4.0, Phrase("if four")))),
+        Unknown("c", 0.0, ((7.0, Phrase("which does not matter")),)),
+    ]
+    value, base, decides = spanned(lambda chosen: float(chosen["a"] * chosen["b"]), unknown)
+    assert (value, base) == ((-15, 12), 1)
+    assert [(one.key, str(one.condition), one.value) for one in decides] == [
+        ("a", "if three", 3), ("a", "if two", 2), ("b", "if negative", -5), ("b", "if four", 4),
+    ]  # fmt: skip
+    assert spanned(lambda _: 2.0, []) == ((2, 2), 2, ())
 
 
 def test_words_of_a_result() -> None:
