@@ -1,10 +1,12 @@
 """All indicators on one job: what they say is plain data, every key is described, a plug-in adds one."""
 
+import ast
 import json
 from collections.abc import Iterator
 from typing import ClassVar, Literal
 
 import pytest
+from conftest import ROOT
 from forgotten_plugins import forgotten_plugins
 
 import fatigue_planner as fp
@@ -58,6 +60,16 @@ def test_every_key_is_described() -> None:
     for kind in kinds:
         for name, key in kind.model_json_schema()["properties"].items():
             assert key.get("description", "").endswith("."), f"{kind.__name__}.{name}"
+
+
+def test_templates_can_be_collected_from_the_sources() -> None:
+    found = []
+    for file in (ROOT / "fatigue_planner" / "ergonomics").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Phrase":
+                assert isinstance(node.args[0], ast.Constant), f"{file.name}: line {node.lineno}"
+                found.append(node.args[0].value)
+    assert len(found) > 40
 
 
 def test_titles_and_kinds_are_not_taken_twice() -> None:
