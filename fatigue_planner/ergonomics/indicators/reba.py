@@ -155,8 +155,8 @@ class Reba(JointThresholds):
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """See ScoredPosture.remarks."""
         gravity = Phrase(
-            "An upper arm within {hanging:g}° of the vertical under a bent trunk is helped by gravity; its rotation and "
-            "a twist of the wrist are not counted.",
+            "An upper arm within {hanging:g}° of the vertical under a bent trunk is helped by gravity; its rotation "
+            "and a twist of the wrist are not counted.",
             {"hanging": HANGING_DEG},
         )
         return (*super().remarks(job), gravity)
