@@ -10,6 +10,7 @@
 //   1 / sqrt(0) = inf makes the untried action win without a branch;
 // - the state is simulated again in each descent (not kept in the nodes), in vectors of eight entries which
 //   stay in registers where the number of entries is a template argument;
+// - a node's next action is chosen when a return is backed up: a descent need not wait for the scores;
 // - where a node's state is always the same and so is the worker's choice (one initial state, an expert), the node
 //   keeps the choice and its successor the reward: the state is simulated only where a descent leaves the tree;
 // - among 2, 4, ... equally likely preferences a choice takes one bit, two bits, ... of a random number;
@@ -367,6 +368,8 @@ double by_entries(const Model &m, Rest... rest) {
     case 2: return by_choice<A, U, 2>(m, rest...);
     case 3: return by_choice<A, U, 3>(m, rest...);
     case 4: return by_choice<A, U, 4>(m, rest...);
+    case 5: return by_choice<A, U, 5>(m, rest...);
+    case 6: return by_choice<A, U, 6>(m, rest...);
     case 10: return by_choice<A, U, 10>(m, rest...);
     default: return by_choice<A, U, 0>(m, rest...);
   }
