@@ -17,6 +17,7 @@ from fatigue_planner.core.errors import ClaimsError, PluginError
 from fatigue_planner.core.plugins import load_plugin
 from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.core.text import listing, percent, percent_range, significant
+from fatigue_planner.ergonomics.indicators.iso_11226 import ArmHold, arm_hold
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS, highest_fatigue
@@ -28,7 +29,7 @@ from fatigue_planner.output.reports.results.report import SECTIONS, SectionWrite
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.fatigue import fatigue_table
 from fatigue_planner.output.reports.results.sections.findings import findings
-from fatigue_planner.output.reports.results.sections.postures import ArmHold, arm_hold, overhead_sentences
+from fatigue_planner.output.reports.results.sections.postures import overhead_sentences
 from fatigue_planner.output.reports.results.sections.reactions import cycle_map_table
 from fatigue_planner.output.reports.results.sections.returns import estimate_table
 from fatigue_planner.output.reports.results.sections.settings import origins

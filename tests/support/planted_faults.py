@@ -26,6 +26,19 @@ def _in(file: str, *faults: tuple[str, str | tuple[str, ...], str, str]) -> list
 AT_ONCE = "study/test_compiled_trials.py::test_they_are_those_that_are_"
 
 FAULTS = (
+    *_in("ergonomics/posture.py",
+        ("outwards is to the right on both sides", "ergonomics/test_posture.py::test_mujoco_sees_the_same[97]",
+         '-1.0 if side == "right" else 1.0', "-1.0"),
+    ),
+    *_in("ergonomics/lifting_equation.py",
+        ("a further lift adds all of itself", "ergonomics/test_niosh.py::test_three_tasks_of_the_manual",
+         "(1 / after - 1 / before)", "(1 / after)"),
+    ),
+    *_in("ergonomics/unknown.py",
+        ("the worst of what is not known is left out",
+         "ergonomics/test_registry.py::test_a_range_spans_all_that_may_be",
+         "(one.first, *(other for other, _ in one.others))", "(one.first, *(other for other, _ in one.others[:1]))"),
+    ),
     *_in("core/files.py",
         ("a reaction's key without the body's data",
          "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",

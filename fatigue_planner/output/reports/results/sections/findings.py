@@ -5,10 +5,11 @@ from collections import Counter
 import pandas as pd
 
 from fatigue_planner.core.text import counted, format_label, listing, percent, percent_range
+from fatigue_planner.ergonomics.indicators.iso_11226 import arm_hold
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.output.reports.results.sections.claims import claims_sentence
 from fatigue_planner.output.reports.results.sections.losses import headroom
-from fatigue_planner.output.reports.results.sections.postures import arm_hold, overhead_sentences
+from fatigue_planner.output.reports.results.sections.postures import overhead_sentences
 from fatigue_planner.output.reports.results.sections.worth import worth_sentences
 from fatigue_planner.study.statistics.contrast import Contrast, Verdict, contrast_of
 from fatigue_planner.study.statistics.pairing import cells_of, records

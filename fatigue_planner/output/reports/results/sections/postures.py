@@ -1,47 +1,18 @@
 """What an observer would say of the postures: motions no person would make, and upper arms held above 60 degrees."""
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from fatigue_planner.core.text import counted, format_label, listing, percent
-from fatigue_planner.human.kinematics import poses_of, tree_of
-from fatigue_planner.human.skeleton import SIDES
-from fatigue_planner.motion.posture_measures import upper_arm_elevation
+from fatigue_planner.ergonomics.held_posture import HELD_S
+from fatigue_planner.ergonomics.indicators.iso_11226 import UPPER_ARM, ArmHold
 from fatigue_planner.output.reports.page import Block, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
-# ISO 11226:2000: an upper arm above 60 degrees is not acceptable; at 60 it may be held for a minute. A posture is held,
-# and not passed, if it lasts for more than 4 s.
-RAISED_DEG, ACCEPTED_S, HELD_S = 60.0, 60, 4.0
+RAISED_DEG, ACCEPTED_S = UPPER_ARM.most_deg, UPPER_ARM.shortest_s
 FEW = 12  # reactions that are listed one by one
-
-
-class ArmHold(NamedTuple):
-    """The longest time for which an upper arm is above 60 degrees without a break, and how high it comes."""
-
-    longest_s: float
-    highest_deg: float
-
-    @property
-    def overhead(self) -> bool:
-        """Whether the arm is held there."""
-        return self.longest_s > HELD_S
-
-
-def arm_hold(reaction: Reaction) -> ArmHold:
-    """The hold of a reaction: the arm that is held longest, the one that comes highest."""
-    motion, person = reaction.motion, reaction.key.motion_request().worker.anthropometry()
-    poses = poses_of(tree_of(person), motion.configuration)
-    holds = []
-    for side in SIDES:
-        elevation = upper_arm_elevation(poses, side)
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], elevation > RAISED_DEG, [False]])))
-        lengths = edges[1::2] - edges[::2]
-        holds.append((float(lengths.max(initial=0)) * motion.time_step_s, float(elevation.max())))
-    return ArmHold(max(longest for longest, _ in holds), max(highest for _, highest in holds))
 
 
 def overhead_sentences(report_data: ReportData, holds: Mapping[ReactionName, ArmHold]) -> list[str]:
@@ -64,7 +35,7 @@ def overhead_sentences(report_data: ReportData, holds: Mapping[ReactionName, Arm
             f"{format_label(condition).capitalize()}, {report_data.longest} cycles: an upper arm is held above "
             f"{RAISED_DEG:g}° in {listing(shares)} of the cycles. The longest hold is {held[worst].longest_s:.1f} s "
             f"({'/'.join(worst)}, up to {held[worst].highest_deg:.0f}°); ISO 11226 accepts none above {RAISED_DEG:g}°, "
-            f"and at {RAISED_DEG:g}° at most {ACCEPTED_S} s."
+            f"and at {RAISED_DEG:g}° at most {ACCEPTED_S:g} s."
         )
     return sentences
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from fatigue_planner.core.text import format_label, listing, percent, significant
+from fatigue_planner.ergonomics.indicators.iso_11226 import arm_hold
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.fatigue.model import CycleProfile
@@ -25,7 +26,7 @@ from fatigue_planner.output.figures.postures import FEW, posture_figure
 from fatigue_planner.output.figures.style import FigureFolder, Picture
 from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.results.report_data import ReportData
-from fatigue_planner.output.reports.results.sections.postures import arm_hold, plausibility_blocks
+from fatigue_planner.output.reports.results.sections.postures import plausibility_blocks
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.study.statistics.pairing import records
 

@@ -1,0 +1,1 @@
+"""The kinds of indicators, one file each; see `indicator.py`."""
