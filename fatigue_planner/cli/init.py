@@ -1,4 +1,4 @@
-"""`fatplan init`: a file to begin with."""
+"""`fatplan init`: a file to begin with, an experiment's or a station's."""
 
 from pathlib import Path
 from typing import Annotated
@@ -41,12 +41,60 @@ actions:
       orientation_deg: {{y: -90}}
 """
 
+STATION = """\
+# Your own workstation. Change what is below, then run
+#   fatplan validate {file}     is the file right?
+#   fatplan assess {file}       who can work where, what is not acceptable, which place is best
+# What is not known is left out: a score that needs it then becomes a range, and says which input decides.
+# All keys are explained in the documentation, on the page "A workstation".
+name: {name}
+about: {{company: "", plant: "", assessor: "", date: ""}}     # for the page; decides nothing
+
+# Percentiles of stature (5 small, 95 tall), or measured people. Strength is a percentile of its own.
+workers:
+  small_woman: {{percentile: 5, sex: female}}
+  tall_man: {{percentile: 95, sex: male}}
+  anna: {{height_m: 1.68, mass_kg: 65, sex: female, handedness: left}}     # m, kg
+# population: {{female: {{stature_m: {{mean: 1.66, sd: 0.065}}}}, male: {{stature_m: {{mean: 1.79, sd: 0.07}}}}}}
+
+tools:
+  screwdriver: 1.2 kg
+# gun: {{mass_kg: 3, force_n: {{z: -40}}}}     # N on the hand while it works: x forward, y left, z up
+
+# Where the hand works: x forward, y left, z up, in m, from the ground between the feet.
+places:
+  shelf: {{x: 0.45, y: -0.2, z: 1.4}}
+  bench: {{x: 0.4, y: -0.2, z: 1.0, orientation_deg: {{y: -90}}}}     # the fist points forward, thumb up
+
+# Everything that is done in every cycle, each at one of its places.
+operations:
+  screw:
+    places: [shelf, bench]          # to choose from
+    seconds: 10                     # at the place, the way excluded
+    hand: either                    # right, left, either (the worker's better one), both
+    tool: screwdriver
+    times_per_cycle: 1
+#   coupling: good                  # how the hand holds it: good, fair, poor, unacceptable
+#   actions_per_minute: 6           # similar actions of the hand: screws, clips
+#   effort_share: 0.3               # grip, as a share of the largest
+#   shock: false                    # impact wrench, hammer
+
+cycle: {{duration_s: 30}}             # the takt; what the operations leave of it is rest
+
+# What nobody may be asked for: it excludes places and ways.
+# limits: [{{measure: upper_arm_elevation, above_deg: 60, at_most_s: 5}}]
+shift: {{hours: 8, breaks: [{{at_min: 120, minutes: 15}}, {{at_min: 270, minutes: 30}}]}}
+"""
+
 
 def init(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the experiment, or of its file: NAME.yaml.")],
+    station: Annotated[
+        bool, typer.Option("--station", help="A workstation for `fatplan assess` instead of an experiment.")
+    ] = False,
     as_json: options.Json = False,
 ) -> None:
-    """Write a short, commented experiment, NAME.yaml, to fill in with a task of your own."""
+    """Write a short, commented experiment or workstation, NAME.yaml, to fill in with a task of your own."""
     import yaml
     from pydantic import TypeAdapter, ValidationError
 
@@ -63,5 +111,5 @@ def init(
     if file.exists() or file.is_symlink():
         raise OutputFolderError(f"{file}: exists already and stays as it is; choose another NAME.")
     written_name = yaml.safe_dump(name).splitlines()[0]  # in quotes where YAML needs them: no
-    publish_text(file, EXPERIMENT.format(file=file, name=written_name))
+    publish_text(file, (STATION if station else EXPERIMENT).format(file=file, name=written_name))
     options.present({"file": file, "name": name}, f"{file}: written; its comments say how to go on.", as_json)

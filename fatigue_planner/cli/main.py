@@ -9,6 +9,7 @@ import typer
 
 from fatigue_planner import __version__
 from fatigue_planner.cli import cache, human, options
+from fatigue_planner.cli.assess import assess
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
@@ -31,7 +32,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS = (
-    init, simulate, benchmark, schedule, claims, report, compare, sensitivity, view, validate, schema, doctor,
+    init, assess, simulate, benchmark, schedule, claims, report, compare, sensitivity, view, validate, schema, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 
 def validate(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="An experiment, a file of claims, or a study (YAML).")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="An experiment, a station, a file of claims, or a study (YAML).")
+    ],
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
     ] = False,
@@ -56,6 +58,7 @@ def schema(
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
     from fatigue_planner.experiment.loader import editor_schema
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.station.schema import Station
     from fatigue_planner.study.claims.schema import ClaimsFile
     from fatigue_planner.study.sensitivity.settings import StudySettings
 
@@ -63,6 +66,7 @@ def schema(
         FileKind.EXPERIMENT: Experiment,
         FileKind.CLAIMS: ClaimsFile,
         FileKind.STUDY: StudySettings,
+        FileKind.STATION: Station,
     }
     typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
@@ -83,6 +87,14 @@ def summary(file: Path, kind: FileKind, resolved: bool = False) -> tuple[dict[st
 
         study = load_study(file)
         about = f"a study of {len(study.settings.factors)} settings of {study.base_file}"
+        return {"about": about}, f"{file}: ok; {about}."
+    if kind is FileKind.STATION:
+        from fatigue_planner.station.loader import load_station
+
+        station = load_station(file)
+        about = (
+            f"a station with {counted(len(station.operations), 'operation')}, {counted(len(station.workers), 'worker')}"
+        )
         return {"about": about}, f"{file}: ok; {about}."
     from fatigue_planner.experiment import loader
 

@@ -13,6 +13,7 @@ class FileKind(StrEnum):
     EXPERIMENT = "experiment"
     CLAIMS = "claims"
     STUDY = "study"
+    STATION = "station"
 
 
 # By kind, in the order of search: its keys, of which only such a file has the first; what it is in words; one that
@@ -20,6 +21,7 @@ class FileKind(StrEnum):
 _ABOUT = {
     FileKind.STUDY: (("factors",), "a study", "sensitivity", "`fatplan sensitivity`"),
     FileKind.CLAIMS: (("experiment", "claims"), "a file of claims", "paper_claims", "`fatplan claims`"),
+    FileKind.STATION: (("operations",), "a station", "car_line", "`fatplan assess`"),
     FileKind.EXPERIMENT: (("actions",), "an experiment", "paper", "`fatplan simulate`, `benchmark` and `report`"),
 }
 

@@ -43,7 +43,7 @@ class Standing(NamedTuple):
 
 def target_faults(experiment: Experiment, humans: dict[str, Human]) -> Iterator[str]:
     """Targets that some worker's hand cannot be at, each with its key."""
-    workers = {name: _standing(experiment.workers[name], human) for name, human in humans.items()}
+    workers = {name: standing_of(experiment.workers[name], human) for name, human in humans.items()}
     for name, action in experiment.actions.items():
         for worker, standing in workers.items():
             for side, goal in action.goals().items():
@@ -61,7 +61,8 @@ def target_faults(experiment: Experiment, humans: dict[str, Human]) -> Iterator[
             yield from _meeting_faults(experiment, name, action, worker, standing)
 
 
-def _standing(worker: Worker, human: Human) -> Standing:
+def standing_of(worker: Worker, human: Human) -> Standing:
+    """What is asked again and again of a worker whose human this is."""
     capsules, data = capsules_of(human.anthropometry), human.model.createData()
     pin.framesForwardKinematics(human.model, data, human.stance)
     placements = [data.oMf[human.model.getFrameId(part)] for part in ROOTED]

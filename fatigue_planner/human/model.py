@@ -47,8 +47,8 @@ class Worker(Settings):
         default_factory=lambda worker: "average_woman" if worker.get("sex") == "female" else "average_man",
         min_length=1,
         max_length=MAX_PATH_LENGTH,
-        description="Maximum joint torques in N.m: the name of a set that ships with fatplan, or a YAML file. "
-        "Default: the average man's or woman's, by sex.",
+        description="Maximum joint torques in N.m: the name of a set that ships with fatplan, or a YAML file; "
+        "average_woman:p5 is a set at a percentile of strength. Default: the average man's or woman's, by sex.",
     )
     natural_posture_deg: dict[str, float] = Field(
         default_factory=_usual_stance,

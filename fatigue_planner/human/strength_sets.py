@@ -1,7 +1,10 @@
 """Strength sets: maximum torques from files that may build on other files."""
 
+import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+from statistics import NormalDist
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -14,6 +17,9 @@ STRENGTHS = DATA / "strengths"
 MAX_PATH_LENGTH = 1000
 # Of files that are based on each other.
 MAX_CHAIN_LENGTH = 10
+LOWEST_PERCENTILE, HIGHEST_PERCENTILE = 1.0, 99.0
+# A set at a percentile of strength: average_woman:p5.
+_AT_PERCENTILE = re.compile(r"(.+):p([0-9]{1,2}(?:\.[0-9]{1,2})?)")
 
 Direction = Literal["positive", "negative"]
 Torque = Annotated[float, Field(gt=0, le=10_000)]
@@ -72,10 +78,51 @@ def shipped_sets() -> tuple[str, ...]:
 def load_strengths(name: str) -> StrengthSet:
     """A strength set: one that ships with the package, by name, or a user's own, by path.
 
-    Raises DataFileError for a set or a degree of freedom that is unknown, an incomplete or unreadable
-    file, and files that are based on each other.
+    `NAME:p5` is the set NAME, taken for the mean of normal distributions, at the 5th percentile of every entry (see
+    `strength_spread`). Raises DataFileError for a set, a percentile or a degree of freedom that is unknown, an
+    incomplete or unreadable file, and files that are based on each other.
     """
-    return _load(_find(name, Path(), "strength set"), ())
+    at = _AT_PERCENTILE.fullmatch(name)
+    if at is None:
+        return _load(_find(name, Path(), "strength set"), ())
+    percentile = float(at[2])
+    if not LOWEST_PERCENTILE <= percentile <= HIGHEST_PERCENTILE:
+        raise DataFileError(f"strength set {name!r}: the percentile should be from 1 to 99.")
+    return _at_percentile(load_strengths(at[1]), percentile)
+
+
+def at_percentile(name: str, percentile: float) -> str:
+    """The name of a set at a percentile of strength; the 50th is the set itself."""
+    return name if percentile == 50 else f"{name}:p{percentile:g}"
+
+
+class Spreads(Settings):
+    """Content of data/strength_spread.yaml: standard deviation / mean by degree of freedom, without side."""
+
+    assumed: float
+    degrees_of_freedom: dict[str, dict[Direction, float]]
+
+
+@cache
+def _spreads() -> Spreads:
+    return load_data(DATA / "strength_spread.yaml", Spreads)
+
+
+def strength_spread(entry: Entry) -> float:
+    """By how much people differ at an entry: standard deviation / mean of its maximum torque."""
+    freedom, direction = entry
+    known = _spreads().degrees_of_freedom.get(without_side(freedom))
+    return known[direction] if known else _spreads().assumed
+
+
+def _at_percentile(mean: StrengthSet, percentile: float) -> StrengthSet:
+    z = NormalDist().inv_cdf(percentile / 100)
+    text = f"percentile {percentile:g}"
+    entries = {
+        entry: StrengthEntry(at.torque_nm * (1 + strength_spread(entry) * z), f"computed: {text}; {at.source}")
+        for entry, at in mean.entries.items()
+    }
+    return StrengthSet(f"{mean.population}, {text} in every entry", mean.based_on, entries)
 
 
 def _find(name: str, folder: Path, what: str) -> Path:

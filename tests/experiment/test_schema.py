@@ -15,6 +15,7 @@ from fatigue_planner.experiment.loader import complete_content, editor_schema, l
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
 from fatigue_planner.human.stance import stance_deg
+from fatigue_planner.station.schema import Station
 from fatigue_planner.study.benchmark.selection import Selection, selected
 from fatigue_planner.study.claims.schema import ClaimsFile
 from fatigue_planner.study.sensitivity.settings import StudySettings
@@ -50,7 +51,7 @@ def keys(schema: Any, above: str = "") -> Iterator[tuple[str, Any]]:
             yield from keys(inside, above)
 
 
-@pytest.mark.parametrize("kind", [Experiment, ClaimsFile, StudySettings])
+@pytest.mark.parametrize("kind", [Experiment, ClaimsFile, StudySettings, Station])
 def test_every_key_is_described(kind: type[Settings]) -> None:
     described = dict(keys(editor_schema(kind)))
     assert len(described) > 8

@@ -12,6 +12,8 @@ from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.strength_sets import STRENGTHS, load_strengths, shipped_sets
 from fatigue_planner.output.reports.human.references import references
 
+AT_PERCENTILES = ("average_woman:p5", "average_woman:p99")
+
 
 def write(path: Path, rows: str, based_on: str | None = "average_man") -> str:
     """A strength file with these rows; its name."""
@@ -144,3 +146,20 @@ def test_without_a_base_a_file_must_be_complete(tmp_path: Path) -> None:
 def test_a_wrong_row_is_named(tmp_path: Path, rows: str, message: str) -> None:
     with pytest.raises(DataFileError, match=message):
         maximum_torque(write(tmp_path / "mine.yaml", rows))
+
+
+def test_a_set_at_a_percentile_is_its_normal_distribution() -> None:
+    """Spread of the shoulder: 0.277 (hand force); of the neck: 0.28, assumed."""
+    mean, weak, strong = (maximum_torque(name).vectors() for name in ("average_woman", *AT_PERCENTILES))
+    shoulder, neck = joint_index("right_shoulder_flexion"), joint_index("neck_flexion")
+    assert weak[0][shoulder] == pytest.approx(30 * (1 - 1.64485 * 0.277), rel=1e-5)
+    assert strong[1][neck] == pytest.approx(27 * (1 + 2.32635 * 0.28), rel=1e-5)
+    for low, middle, high in zip(weak, mean, strong, strict=True):
+        assert (low > 0).all() and (low < middle).all() and (middle < high).all()
+    assert load_strengths("average_woman:p50").entries["neck_flexion", "positive"].torque_nm == 17
+
+
+@pytest.mark.parametrize("name", ["average_woman:p0", "average_woman:p99.5", "nobody:p5", "average_woman:p"])
+def test_a_percentile_that_is_none_is_refused(name: str) -> None:
+    with pytest.raises(DataFileError):
+        load_strengths(name)

@@ -1,0 +1,105 @@
+"""`fatplan assess`: an ergonomist's station, from a file to an answer."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fatigue_planner.cli import options
+from fatigue_planner.cli.progress import progress, warn
+
+if TYPE_CHECKING:
+    from fatigue_planner.station.assessment import StationAssessment
+    from fatigue_planner.station.schema import Station
+
+
+def assess(
+    station: Annotated[
+        Path, typer.Argument(metavar="STATION", help="The station file (YAML), or the name of one that ships.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this station.")
+    ] = None,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Print the experiments that the station becomes (YAML), and stop.")
+    ] = False,
+    changes: Annotated[
+        bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
+    ] = False,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    jobs: options.Jobs = options.ALL_CORES,
+    as_json: options.Json = False,
+) -> None:
+    """Assess a STATION: who can work where, what is not acceptable by which rule, and which place is best.
+
+    Every worker does every operation at every place in every way. What cannot be reached, or only as nobody would work,
+    is an answer, not an error. Files in the results folder: assessment.json, places.csv, outcomes.csv, indicators.csv.
+    `fatplan init --station NAME` writes a station to fill in.
+    """
+    from fatigue_planner.core.files import writable_folder
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.station.assess import assess as assess_station
+    from fatigue_planner.station.changes import changed_stations
+    from fatigue_planner.station.loader import load_station
+    from fatigue_planner.station.outcomes import tasks_of
+    from fatigue_planner.station.tables import plain, write
+
+    settings = load_station(station)
+    if explain:
+        _explain(settings, as_json)
+        return
+    folder = writable_folder(output or results / settings.name)
+    executor, store = options.executor_of(jobs, None), ReactionCache(cache)
+    command = options.command_line("assess", station, cache, results)
+    stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
+    motions = sum(len(tasks_of(each)) for each in stations)
+    with progress("Simulating", motions, kept=("motions", cache)) as counter:
+        found = assess_station(
+            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes
+        )
+    warn(store.damaged)
+    document = plain(found)
+    files = write(found, folder, options.json_text(document))
+    options.present(document | {"files": files}, "\n".join([*_text(found), "", _written(folder, files)]), as_json)
+
+
+def _text(found: "StationAssessment") -> list[str]:
+    """What an ergonomist needs first, then who of a population can, then what it rests on."""
+    from fatigue_planner.station.statements import of_changes, of_population, of_rotation
+
+    lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
+    lines += [f"  {phrase}." for phrase in found.headline]
+    lines += [f"  {phrase}." for phrase in of_rotation(found.rotation)]
+    if found.changes:
+        lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
+    lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]
+    return [*lines, "", "What this rests on:", *(f"  {phrase}." for phrase in found.assumptions)]
+
+
+def _worker(found: "StationAssessment", index: int) -> str:
+    facts = found.workers[index]
+    return f"{facts.name} ({100 * facts.stature_m:.0f} cm, {facts.mass_kg:.0f} kg, {facts.handedness}-handed)"
+
+
+def _written(folder: Path, files: list[Path]) -> str:
+    return f"{folder}: {', '.join(path.name for path in files)}"
+
+
+def _explain(station: "Station", as_json: bool) -> None:
+    """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands."""
+    import yaml
+
+    from fatigue_planner.experiment.loader import complete_content
+    from fatigue_planner.station.experiments import parts_of
+
+    contents: dict[str, Any] = {}
+    for part in parts_of(station):
+        complete = complete_content(part.experiment)
+        own = ("name", "human", "workers", "cycle", "actions", "preferences", "controller", "accuracy")
+        contents[part.experiment.name] = {key: complete[key] for key in own}
+    texts = [
+        f"# {name}.yaml\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
+        for name, content in contents.items()
+    ]
+    options.present({"experiments": contents}, "---\n".join(texts).rstrip(), as_json)

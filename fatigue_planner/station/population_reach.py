@@ -1,0 +1,168 @@
+"""Who of a population reaches a place, and who is strong enough for it: found by trying statures."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+
+from fatigue_planner.core.errors import FailedMotionError
+from fatigue_planner.core.executors.executor import Executor, Lost
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.load import loads
+from fatigue_planner.human.anthropometry import Sex
+from fatigue_planner.human.joint_data import maximum_torque
+from fatigue_planner.human.model import Worker
+from fatigue_planner.human.population import People, median_mass_kg, percentile_of, stature_m
+from fatigue_planner.human.strength_sets import Direction, strength_spread
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.settings import Accuracy, Side
+from fatigue_planner.motion.simulator import simulate
+from fatigue_planner.motion.verification import measure
+from fatigue_planner.station.assessment import ReachShare
+from fatigue_planner.station.experiments import SIDES, Part, experiment_of
+from fatigue_planner.station.outcomes import odd_postures
+from fatigue_planner.station.schema import Station
+
+SEXES: tuple[Sex, ...] = ("female", "male")
+# Where a stature is looked for that reaches a place, the likeliest first; ends of what is looked at.
+PERCENTILES = (50.0, 25.0, 75.0, 5.0, 95.0, 1.0, 99.0)
+LOWEST, HIGHEST = 1.0, 99.0
+# How closely the shortest and the tallest are found, and how much people of a stature differ in reach (one SD), in m.
+PRECISION_M, REACH_SD_M = 0.005, 0.03
+# A place is reached if the hand can be held there for so long.
+HOLD_S = 0.5
+# What a worker of the simulation can be.
+STATURES_M = (1.4, 2.1)
+
+
+@dataclass(frozen=True)
+class Question:
+    """Who of a sex reaches a place of an operation."""
+
+    station: Station
+    operation: str
+    place: str
+    sex: Sex
+
+    @property
+    def people(self) -> People | None:
+        """The people of the station's own population; None for ANSUR's."""
+        return self.station.population.people(self.sex) if self.station.population else None
+
+
+def questions(station: Station) -> Iterator[Question]:
+    """Every place of every operation, for the women and the men of the population."""
+    for operation, said in station.operations.items():
+        for place in said.places:
+            for sex in SEXES:
+                if station.population is None or station.population.people(sex) is not None:
+                    yield Question(station, operation, place, sex)
+
+
+def reach_shares(station: Station, executor: Executor) -> list[ReachShare]:
+    """Who reaches every place of every operation."""
+    asked = list(questions(station))
+    found = {index: share for index, share in executor.run(answered, asked) if not isinstance(share, Lost)}
+    return [found[index] for index in sorted(found)]
+
+
+def answered(question: Question) -> ReachShare:
+    """Try statures of the median mass and strength, in every way, until the shortest and the tallest are found."""
+    people, sex = question.people, question.sex
+    known: dict[float, Motion | None] = {}
+
+    def reaches(stature: float) -> bool:
+        if stature not in known:
+            known[stature] = _reaching(question, stature)
+        return known[stature] is not None
+
+    def stature(percentile: float) -> float:
+        return float(np.clip(stature_m(percentile, sex, people), *STATURES_M))
+
+    first = next((stature(percentile) for percentile in PERCENTILES if reaches(stature(percentile))), None)
+    if first is None:
+        return ReachShare(question.operation, question.place, sex, None, None, 0.0, 0.0, 0.0, None, "")
+    shortest = _edge(first, stature(LOWEST), reaches)
+    tallest = _edge(first, stature(HIGHEST), reaches)
+    motion = known[first]
+    assert motion is not None
+    strong, joint = strong_share(motion, _worker(question, first))
+    shares = [_share(question, shortest, tallest, longer) for longer in (0.0, -REACH_SD_M, REACH_SD_M)]
+    return ReachShare(
+        question.operation, question.place, sex, shortest, tallest, shares[0], min(shares), max(shares), strong, joint
+    )
+
+
+def _edge(inside: float, end: float, reaches: Callable[[float], bool]) -> float:
+    """The stature nearest to the end that reaches the place, between one that does and the end."""
+    if reaches(end):
+        return end
+    outside = end
+    while abs(outside - inside) > PRECISION_M:
+        middle = round((inside + outside) / 2, 4)
+        inside, outside = (middle, outside) if reaches(middle) else (inside, middle)
+    return inside
+
+
+def _share(question: Question, shortest: float, tallest: float, longer_m: float) -> float:
+    """The share of the population between two statures; where arms are longer, shorter people reach as far.
+
+    Beyond the first and the last percentile that were looked at, people are taken to be as those are.
+    """
+    own = (question.sex, question.people)
+    below = percentile_of(shortest - longer_m, *own) if percentile_of(shortest, *own) > LOWEST + 1e-6 else 0.0
+    above = percentile_of(tallest + longer_m, *own) if percentile_of(tallest, *own) < HIGHEST - 1e-6 else 100.0
+    return max(above - below, 0.0) / 100
+
+
+def _worker(question: Question, stature: float) -> Worker:
+    mass = float(np.clip(median_mass_kg(stature, question.sex, question.people), 40, 150))
+    return Worker(human="natural", height_m=stature, mass_kg=mass, sex=question.sex)
+
+
+def _reaching(question: Question, stature: float) -> Motion | None:
+    """A motion in which a worker of this stature holds the hand at the place as a person would, in any way."""
+    operation = question.station.operations[question.operation]
+    if operation.hand == "either":
+        operation = operation.model_copy(update={"hand": "right"})
+    hands: tuple[Side, ...] = (
+        SIDES if operation.hand == "both" else ("left",) if operation.hand == "left" else ("right",)
+    )
+    short = operation.model_copy(update={"places": (question.place,), "seconds": HOLD_S})
+    station = question.station.model_copy(update={"operations": {question.operation: short}})
+    part = Part(station, question.operation, hands, ("anybody",))
+    for request in reaction_requests(experiment_of(part, {"anybody": _worker(question, stature)})):
+        motion = _tried(request.motion, request.accuracy)
+        if motion is not None:
+            return motion
+    return None
+
+
+def _tried(request: MotionRequest, accuracy: Accuracy) -> Motion | None:
+    try:
+        motion = simulate(request)
+    except FailedMotionError:
+        return None
+    quality = measure(request, motion)
+    return None if odd_postures(quality) or quality.verdict(accuracy) == "failed" else motion
+
+
+def strong_share(motion: Motion, worker: Worker) -> tuple[float, str]:
+    """The share of people of the worker's sex with the strength that the work asks of each joint; the entry of least.
+
+    Strength is taken for normal with the worker's as mean (see `strength_spread`).
+    """
+    strength = np.concatenate(maximum_torque(worker.strength).vectors())
+    share = loads(motion.torque_nm[motion.phase("work")]).max(axis=0) / strength
+    able = [1 - NormalDist().cdf((share[i] - 1) / _spread(name)) for i, name in enumerate(ENTRIES)]
+    least = int(np.argmin(able))
+    return float(able[least]), ENTRIES[least]
+
+
+def _spread(entry: str) -> float:
+    freedom, _, direction = entry.partition(":")
+    way: Direction = "positive" if direction == "positive" else "negative"
+    return strength_spread((freedom, way))

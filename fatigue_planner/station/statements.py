@@ -1,0 +1,226 @@
+"""What is said of an assessment in sentences, as keys of a catalogue with their values."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from fatigue_planner.ergonomics.result import Level, Phrase
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.station.assessment import (
+    BestPlaces,
+    Change,
+    Outcome,
+    PlaceForWorker,
+    PlaceSummary,
+    ReachShare,
+    Rotation,
+    Rule,
+    WholeCycle,
+)
+from fatigue_planner.station.schema import Station
+
+# Who cannot work where.
+MISSED = "{worker} cannot reach {place}: the hand stays {away_cm:.0f} cm away"
+MISSED_FAR = "{worker} cannot reach {place}"
+TOO_WEAK = "{worker} is too weak for {place}: {joint} gives all it has"
+IMPLAUSIBLE = "{worker} reaches {place} only as nobody would work: {finding}"
+BROKEN = "{worker} breaks limit {limit} of the station at {place}: {seconds:.0f} s instead of at most {at_most_s:.0f}"
+# What is not acceptable.
+NOT_ACCEPTABLE = "{operation} at {place} is not acceptable for {seconds:.0f} of {cycle_s:.0f} s by {rules}"
+NOT_ACCEPTABLE_AT_ALL = "{operation} at {place} is not acceptable by {rules}"
+# What is best.
+BEST = "Best for {operation}: {place}"
+BEST_BY = (
+    "A joint loses at most {peak:.0%} of its strength there; the next best, {others}, costs {more:.0%} more fatigue"
+)
+BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
+WARNED = "{operation} at {place}: not acceptable by {rules}, which only warns (binding)"
+NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
+COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
+WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
+NO_JOINT = "No joint tires"
+SHORTFALL = "{worker} cannot go on for ever: in cycle {cycle} {joint} cannot give what is asked"
+REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to {high:.0%} with 3 cm less or more)"
+REACH_NEARLY_ALL = "{place} is reached by nearly all of the {sex} population"
+STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
+# What has to be known.
+ASSUMED_POPULATION = "Percentiles are of ANSUR II, soldiers of the US Army in 2012; give population for your own people"
+OWN_POPULATION = "Percentiles are of the station's own population"
+ASSUMED_MASS = "The mass of a percentile is the median of people as tall; strength is a percentile of its own"
+ASSUMED_REACH = "People of one stature differ in reach by 3 cm (one standard deviation): a verdict within 3 cm can turn"
+ASSUMED_SHOES = "Shoes raise the worker by {shoes_cm:.1f} cm"
+ASSUMED_FEET = "The worker turns the feet to every place, so that it is straight ahead (feet: free)"
+FIXED_FEET = "The feet point along x: who has to reach aside twists (feet: fixed)"
+ASSUMED_REST = (
+    "Each operation has {reach_s:g} s there and {return_s:g} s back; the rest of the {cycle_s:g} s loads no joint"
+)
+ASSUMED_LAW = (
+    "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
+)
+ASSUMED_TOOL = "A tool is a point mass in the fist; vibration and its centre of mass are not simulated"
+ASSUMED_SHIFT = "Length and breaks of the shift are not known"
+
+# What single changes do, and another place in every cycle.
+CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed"
+CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
+ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
+NO_ROTATION = "Another place in every cycle saves nothing"
+
+Phrases = Iterator[Phrase]
+# Of a population, also with shorter arms.
+NEARLY_ALL = 0.99
+Values = dict[str, str | float]
+
+
+def headline_of(
+    station: Station,
+    places: Sequence[PlaceForWorker],
+    summaries: Sequence[PlaceSummary],
+    best: BestPlaces,
+    cycles: Sequence[WholeCycle],
+) -> tuple[Phrase, ...]:
+    """The first lines: who cannot, what is not acceptable, what is best and by how much, the worst joint."""
+    cannot = [why_not(station, each.outcome) for each in places if each.way is None]
+    return (*cannot, *_not_acceptable(station, summaries), *_best(station, summaries, best), *_tired(cycles))
+
+
+def why_not(station: Station, outcome: Outcome) -> Phrase:
+    """Why a worker cannot work at a place, from the outcome that is nearest to it."""
+    named: Values = {"worker": outcome.doing.worker, "place": outcome.doing.place}
+    if outcome.breaches:
+        breach = outcome.breaches[0]
+        at_most = station.limits[breach.limit].at_most_s
+        return Phrase(BROKEN, named | {"limit": breach.limit + 1, "seconds": breach.seconds, "at_most_s": at_most})
+    if outcome.kind == "too_weak":
+        return Phrase(TOO_WEAK, named | {"joint": outcome.joint or "the body"})
+    if outcome.kind == "implausible":
+        text = outcome.findings[0].text if outcome.findings else outcome.detail
+        return Phrase(IMPLAUSIBLE, named | {"finding": text})
+    if outcome.missed_m is None:
+        return Phrase(MISSED_FAR, named)
+    return Phrase(MISSED, named | {"away_cm": 100 * outcome.missed_m})
+
+
+def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phrases:
+    for each in summaries:
+        if each.level != Level.NOT_ACCEPTABLE:
+            continue
+        named: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.by)}
+        if longest := max((rule.not_acceptable_s or 0.0 for rule in each.by), default=0.0):
+            times = {"seconds": longest, "cycle_s": station.cycle.duration_s}
+            yield Phrase(NOT_ACCEPTABLE, named | times)
+        else:
+            yield Phrase(NOT_ACCEPTABLE_AT_ALL, named)
+
+
+def _rules(rules: Sequence[Rule]) -> str:
+    """The rules with the part of the body that each finds worst, that with the most seconds first."""
+    ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
+    return ", ".join(f"{rule.title} ({rule.part})" if rule.part else rule.title for rule in ordered)
+
+
+def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces) -> Phrases:
+    if not best.places:
+        for operation in station.operations:
+            if all((operation, place) in best.excluded for place in station.operations[operation].places):
+                yield Phrase(NONE_ALLOWED, {"operation": operation})
+        if best.together is not None:
+            yield best.together
+        yield from _compared(summaries, {})
+        return
+    for operation, place in best.places.items():
+        yield Phrase(BEST, {"operation": operation, "place": place})
+    assert best.peak is not None
+    if best.next_places and best.next_above is not None:
+        others = ", ".join(place for name, place in best.next_places.items() if place != best.places[name])
+        yield Phrase(BEST_BY, {"peak": best.peak, "others": others, "more": best.next_above})
+    else:
+        yield Phrase(BEST_ONLY, {"peak": best.peak})
+    for each in summaries:
+        if each.place == best.places[each.operation] and each.warned_by:
+            values: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.warned_by)}
+            yield Phrase(WARNED, values)
+    yield from _compared(summaries, best.places)
+
+
+def _compared(summaries: Sequence[PlaceSummary], best: Mapping[str, str]) -> Phrases:
+    """What the places that are not recommended do."""
+    for each in summaries:
+        if each.place != best.get(each.operation) and each.peak is not None:
+            yield Phrase(COMPARED, {"operation": each.operation, "place": each.place, "peak": each.peak})
+
+
+def _tired(cycles: Sequence[WholeCycle]) -> Phrases:
+    if worst := max(cycles, key=lambda each: each.fatigue.peak, default=None):
+        fatigue = worst.fatigue
+        values: Values = {"worker": worst.worker, "peak": fatigue.peak}
+        yield Phrase(WORST_JOINT, values | {"joint": joint_name(fatigue.entry)}) if fatigue.entry else Phrase(NO_JOINT)
+    for each in cycles:
+        if each.fatigue.shortfall_cycle is not None:
+            short: Values = {"worker": each.worker, "cycle": each.fatigue.shortfall_cycle}
+            yield Phrase(SHORTFALL, short | {"joint": joint_name(each.fatigue.shortfall_entry)})
+
+
+def of_population(shares: Sequence[ReachShare]) -> Phrases:
+    """Who of the population reaches the places, and is strong enough."""
+    for each in shares:
+        if each.share_low >= NEARLY_ALL:
+            yield Phrase(REACH_NEARLY_ALL, {"place": each.place, "sex": each.sex})
+        else:
+            yield Phrase(
+                REACH,
+                {
+                    "place": each.place,
+                    "sex": each.sex,
+                    "share": each.share,
+                    "low": each.share_low,
+                    "high": each.share_high,
+                },
+            )
+        if each.strong_share is not None:
+            joint = joint_name(each.weakest_joint)
+            yield Phrase(STRONG, {"share": each.strong_share, "sex": each.sex, "place": each.place, "joint": joint})
+
+
+def of_changes(changes: Sequence[Change]) -> Phrases:
+    """What single changes of the station would do."""
+    for each in changes:
+        values: Values = {"change": str(each.change), "reached": each.reached_by_all, "allowed": each.allowed}
+        values |= {"of_places": each.of_places}
+        saving = each.saving_everywhere
+        yield Phrase(CHANGED, values) if saving is None else Phrase(CHANGED_BY, values | {"saving": saving})
+
+
+def of_rotation(rotation: Rotation | None) -> Phrases:
+    """What another place in every cycle does, where there is a choice."""
+    if rotation is None:
+        return
+    if rotation.saving <= 0 or len(rotation.sequence) < 2:
+        yield Phrase(NO_ROTATION)
+    else:
+        sequence = " - ".join("+".join(places.values()) for places in rotation.sequence)
+        yield Phrase(ROTATION, {"sequence": sequence, "saving": rotation.saving})
+
+
+def assumptions_of(station: Station) -> tuple[Phrase, ...]:
+    """What the results rest on."""
+    cycle = station.cycle
+    times = {"reach_s": cycle.reach_s, "return_s": cycle.return_s, "cycle_s": cycle.duration_s}
+    found = [
+        Phrase(ASSUMED_POPULATION if station.population is None else OWN_POPULATION),
+        Phrase(ASSUMED_MASS),
+        Phrase(ASSUMED_REACH),
+        Phrase(ASSUMED_SHOES, {"shoes_cm": 100 * station.shoes_m}),
+        Phrase(ASSUMED_REST, times),
+        Phrase(ASSUMED_FEET if station.feet == "free" else FIXED_FEET),
+        Phrase(ASSUMED_LAW),
+    ]
+    if station.tools:
+        found.append(Phrase(ASSUMED_TOOL))
+    if station.shift is None:
+        found.append(Phrase(ASSUMED_SHIFT))
+    return tuple(found)
+
+
+def joint_name(entry: str) -> str:
+    """An entry of the fatigue state in words: `right_shoulder_flexion:positive` is `right shoulder flexion`."""
+    assert entry in ENTRIES
+    return entry.partition(":")[0].replace("_", " ")

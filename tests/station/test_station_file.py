@@ -1,0 +1,215 @@
+"""What a station file may say, what it becomes, and how mistakes are told."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from commands import fatplan, refused
+from conftest import ROOT
+
+from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.experiment.build import reaction_requests
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.motion.action import Orientation
+from fatigue_planner.motion.payload import CarriedMass, HandForce
+from fatigue_planner.station.experiments import Part, parts_of
+from fatigue_planner.station.judging import shift_of, stated
+from fatigue_planner.station.loader import load_station, parse_station
+from fatigue_planner.station.schema import Station
+from fatigue_planner.station.workers import facts_of
+
+# What an ergonomist wrote, without the keys that no tool can guess (`handed`, `actions`).
+WISH = """\
+name: line7
+workers:
+  small_woman: {percentile: 5, sex: female, handedness: right}
+  tall_man: {percentile: 95, sex: male}
+  lefty: {height_m: 1.78, mass_kg: 80, sex: male, handedness: left}
+tools: {screwdriver: 1.2 kg, gun: 3 kg}
+cycle: {duration_s: 42}
+places:
+  overhead: {x: 0.35, y: -0.15, z: 1.85, tool: screwdriver}
+  door: {x: 0.45, y: -0.2, z: 0.9, tool: gun}
+  plug: {x: 0.4, y: -0.2, z: 0.35}
+operations:
+  fit: {places: [overhead, door, plug], seconds: 25}
+shift: {hours: 8, breaks: [{at_min: 120, minutes: 15}]}
+"""
+
+
+def station(**more: Any) -> Station:
+    return parse_station(as_read({**yaml.safe_load(WISH), **more}), "wish")
+
+
+def as_read(value: Any) -> Any:
+    """Lists as fatplan reads them."""
+    if isinstance(value, dict):
+        return {key: as_read(item) for key, item in value.items()}
+    return tuple(map(as_read, value)) if isinstance(value, list) else value
+
+
+def part_of(said: Station, hands: tuple[str, ...]) -> Part:
+    return next(part for part in parts_of(said) if part.hands == hands)
+
+
+def test_the_wish_is_a_station() -> None:
+    said = station()
+    woman, man, lefty = (facts_of(said, name) for name in said.workers)
+    assert (woman.stature_m, woman.mass_kg) == (1.525, 58.0)
+    assert (man.stature_m, round(man.mass_kg)) == (1.87, 96)
+    assert (lefty.stature_m, lefty.mass_kg, lefty.measured) == (1.78, 80, True)
+    assert 50 < lefty.stature_percentile < 75  # ANSUR's quartile is 1.802 m
+    assert (woman.strength, man.strength) == ("average_woman", "average_man")
+
+
+def test_a_station_becomes_experiments_that_simulate_takes(tmp_path: Path) -> None:
+    (tmp_path / "wish.yaml").write_text(WISH)
+    texts = fatplan("assess", tmp_path / "wish.yaml", "--explain").stdout.split("---\n")
+    assert len(texts) == 2  # right hands, left hands
+    for text, part in zip(texts, parts_of(load_station(tmp_path / "wish.yaml")), strict=True):
+        file = tmp_path / "part.yaml"
+        file.write_text(text)
+        experiment = load_experiment(file)
+        asked = [request.digest for request in reaction_requests(part.experiment)]
+        assert [request.digest for request in reaction_requests(experiment)] == asked
+        assert experiment.name == part.experiment.name
+
+
+def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_the_mirror() -> None:
+    turned = {"x": 0.4, "y": -0.3, "z": 0.9, "orientation_deg": {"x": 10, "y": -80, "z": 20}}
+    said = station(places={"door": turned}, operations={"fit": {"places": "door", "seconds": 25, "tool": "gun"}})
+    left = part_of(said, ("left",)).experiment.actions["door"]
+    assert left.right_hand is None and left.left_hand is not None and left.left_hand.position_m is not None
+    assert left.left_hand.position_m.model_dump() == {"x": 0.5, "y": 0, "z": 0.875}
+    ahead = np.array(
+        [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]]
+    )  # a turn to the left, as the worker turned to the right
+    mirror, own = np.diag([1.0, -1.0, 1.0]), ahead @ Orientation(x=10, y=-80, z=20).rotation()
+    right = part_of(said, ("right",)).experiment.actions["door"].right_hand
+    assert right is not None and right.orientation_deg is not None
+    assert right.orientation_deg.rotation() == pytest.approx(own, abs=1e-5)
+    assert left.left_hand.orientation_deg is not None
+    assert left.left_hand.orientation_deg.rotation() == pytest.approx(mirror @ own @ mirror, abs=1e-5)
+    assert left.loads == (CarriedMass(kind="mass", hand="left", mass_kg=3),)
+    fixed = part_of(station(feet="fixed"), ("left",)).experiment.actions["door"]
+    assert fixed.left_hand is not None and fixed.left_hand.position_m is not None
+    assert fixed.left_hand.position_m.y == -0.2
+    upper_arms = part_of(said, ("left",)).experiment.preferences["back"].tasks
+    assert [task.segment for task in upper_arms] == ["left_upper_arm"]
+
+
+def test_both_hands_share_what_they_hold_and_stand_apart() -> None:
+    tools = {"bar": {"mass_kg": 4, "force_n": {"z": -40}}}
+    operation = {"places": "door", "seconds": 10, "hand": "both", "tool": "bar", "grip_width_m": 0.4}
+    said = station(places={"door": {"x": 0.4, "y": 0, "z": 1}}, tools=tools, operations={"lift": operation})
+    (part,) = parts_of(said)
+    action = part.experiment.actions["door"]
+    apart = {side: goal.path()[0].position_m.y for side, goal in action.goals().items()}
+    assert apart == {"right": -0.2, "left": 0.2}
+    masses = {load.hand: load.mass_kg for load in action.loads if isinstance(load, CarriedMass)}
+    assert masses == {"right": 2, "left": 2}
+    forces = [load for load in action.loads if isinstance(load, HandForce)]
+    times = np.array([0, 3, 3.2, 8, 12.8, 13, 17])
+    assert forces[0].at(times)[:, 2].tolist() == [0, 0, -20, -20, -20, 0, 0]
+
+
+def test_strength_is_a_percentile_of_its_own() -> None:
+    workers = {"anna": {"percentile": 95, "sex": "female", "strength_percentile": 5}}
+    facts = facts_of(station(workers=workers), "anna")
+    assert facts.strength == "average_woman:p5" and facts.stature_m == 1.74
+
+
+def test_the_stations_own_population_counts() -> None:
+    own = {"female": {"stature_m": {"mean": 1.66, "sd": 0.065}, "mass_kg": {"mean": 68.7, "sd": 12.0}}}
+    said = station(population=own, workers={"anna": {"percentile": 5, "sex": "female"}})
+    assert facts_of(said, "anna").stature_m == pytest.approx(1.66 - 1.6449 * 0.065, abs=1e-4)
+    with pytest.raises(ExperimentError, match=r"workers.bob.percentile: population.male is not given"):
+        station(population=own, workers={"bob": {"percentile": 5, "sex": "male"}})
+
+
+def test_the_indicators_hear_what_is_stated() -> None:
+    operation = {"places": "door", "seconds": 5, "coupling": "poor", "times_per_cycle": 2}
+    breaks = [{"at_min": 100, "minutes": 15}, {"at_min": 240, "minutes": 30}]
+    said = station(operations={"fit": operation}, shift={"hours": 8, "breaks": breaks})
+    assert (stated(said, "fit").coupling, stated(said, "fit").times_per_cycle) == ("poor", 2)
+    shift = shift_of(said)
+    assert shift.cycle_s == 42 and shift.hours == pytest.approx(7.25)
+    assert (shift.spell_h, shift.break_h) == (pytest.approx(210 / 60), 0)  # from the last break to the end
+    assert shift_of(said.model_copy(update={"shift": None})).hours is None
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ({"tools": {"gun": "3kilo"}}, "tools.gun: '3kilo': a tool is its mass with the unit, 1.2 kg, or {mass_kg: 1.2"),
+        ({"tools": {"gun": 3}}, "tools.gun: 3 has no unit; write 3 kg or {mass_kg: 3}."),
+        ({"cycle": {"duration_s": 30}}, "cycle.duration_s = 30: the operations take 32 s with their ways"),
+        ({"places": {"door": {"x": 0.4, "y": 0, "z": 1}}}, "operations.fit.places: 'overhead' is not one of door"),
+        ({"workers": {"a": {"sex": "male"}}}, "workers.a: give either percentile (of stature) or height_m (measured)"),
+        ({"cycle": {"duration_s": 42, "work_s": 25}}, "cycle.work_s: unknown key; allowed are"),
+        ({"ways": ["arm", "arm"]}, "ways: names a way twice"),
+        ({"shift": {"hours": 8, "breaks": [{"at_min": 470, "minutes": 15}]}}, "shift: breaks: the one at 470 min"),
+        ({"tool": {"gun": "3 kg"}}, "tool: unknown key; did you mean 'tools'?"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_named_with_the_right_way(more: dict[str, Any], expected: str) -> None:
+    with pytest.raises(ExperimentError) as error:
+        station(**more)
+    assert expected in str(error.value)
+
+
+def test_a_file_in_an_experiments_words_is_told_a_stations(tmp_path: Path) -> None:
+    content = yaml.safe_load(WISH)
+    del content["places"], content["operations"]
+    content["actions"] = {"overhead": {"right_hand": {"position_m": {"x": 0.35, "y": -0.15, "z": 1.8}}}}
+    content["workers"]["lefty"]["handed"] = content["workers"]["lefty"].pop("handedness")
+    (tmp_path / "wish.yaml").write_text(yaml.safe_dump(content))
+    message = refused(2, "assess", tmp_path / "wish.yaml")
+    assert "places: {overhead: {x: 0.35, y: -0.15, z: 1.8}}" in message
+    assert "workers.lefty.handed: unknown key; did you mean 'handedness'?" in message
+    assert "is missing" not in message
+    assert "is a station, not an experiment; it is for `fatplan assess`" in refused(
+        2, "simulate", ROOT / "experiments" / "car_line.yaml"
+    )
+    assert "is a study" in refused(2, "assess", ROOT / "experiments" / "sensitivity.yaml")
+    content = yaml.safe_load(WISH) | {"cycle": {"duration_s": 42.01}}
+    (tmp_path / "wish.yaml").write_text(yaml.safe_dump(content))
+    message = refused(2, "assess", tmp_path / "wish.yaml")
+    assert "cycle.duration_s = 42.01: should be a multiple of 0.02 s" in message
+
+
+def test_a_grid_of_places_is_a_map() -> None:
+    rack = {
+        "x": {"from": 0.3, "to": 0.4, "count": 2},
+        "y": -0.1,
+        "z": {"from": 1.0, "to": 1.4, "count": 3},
+        "tool": "gun",
+    }
+    said = station(places={"rack": rack, "floor": {"x": 0.4, "y": 0, "z": 0.4}},
+                   operations={"fit": {"places": ["floor", "rack"], "seconds": 5}})  # fmt: skip
+    names = ["rack_x0.3_z1", "rack_x0.3_z1.2", "rack_x0.3_z1.4", "rack_x0.4_z1", "rack_x0.4_z1.2", "rack_x0.4_z1.4"]
+    assert said.operations["fit"].places == ("floor", *names)
+    at = said.places["rack_x0.4_z1.2"]
+    assert (at.x, at.y, at.z, at.tool) == (0.4, -0.1, 1.2, "gun")
+    single = station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+    assert single.operations["fit"].places == tuple(names)
+
+
+@pytest.mark.parametrize(
+    ("rack", "expected"),
+    [
+        ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4}}, "places.rack.z.count: is missing. A range is {from: 0.3"),
+        ({"x": {"from": 0.3, "to": 0.5, "count": 20}, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 20}},
+         "places.rack: its grid has 400 points"),
+    ],
+)  # fmt: skip
+def test_a_faulty_grid_of_places_is_named(rack: dict[str, Any], expected: str) -> None:
+    with pytest.raises(ExperimentError) as error:
+        station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+    assert expected in str(error.value)
+
+
+def test_the_shipped_station_is_valid() -> None:
+    assert load_station(Path("car_line")).name == "car_line"
