@@ -106,6 +106,7 @@ def grow(
         while True:
             node = nodes[index]
             action = node.next
+            number: Any = np.int64(action)  # of the type that functions of a problem are compiled for elsewhere
             workspace.nodes[depth], workspace.actions[depth] = index, action
             if certain:
                 known = recall(arrays, nodes, node, action, workspace, depth)
@@ -114,8 +115,8 @@ def grow(
                     depth += 1
                     continue
                 catch_up(arrays, workspace, taken, depth)
-            expect(arrays, node, action, workspace, certain)
-            observation, reward, always = take_step(arrays, state, action, workspace.probabilities, rng)
+            expect(arrays, node, number, workspace, certain)
+            observation, reward, always = take_step(arrays, state, number, workspace.probabilities, rng)
             workspace.rewards[depth] = reward
             depth += 1
             taken = depth
