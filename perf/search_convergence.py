@@ -8,7 +8,6 @@ exact, and the search converges to it.
 """
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,7 +23,7 @@ from fatigue_planner.planners.lookahead import LookaheadPolicy, LookaheadSetting
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy, PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, preference_probabilities, react, recognition
-from fatigue_planner.pomdp.problem import Dynamics
+from fatigue_planner.pomdp.problem import Dynamics, Pomdp
 from fatigue_planner.reactions.cache import ReactionCache
 
 ROOT = Path(__file__).parents[1]
@@ -69,7 +68,8 @@ def single_novice() -> ExactBelief:
     ReactionCache(ROOT / "cache").complete(reaction_requests(paper), LocalProcesses(available_cores()), lambda _: None)
     profiles = load_cycle_profiles(paper, ROOT / "cache", "fatplan simulate")
     task = scenario(paper, profiles, paper.benchmark.conditions["single_novice"])
-    model = replace(task.model, arrays=Ending(task.model.arrays, CYCLES), dynamics=ENDING)
+    task_names = {field: getattr(task.model, field) for field in ("actions", "outcomes", "observations", "discount")}
+    model = Pomdp(**task_names, arrays=Ending(task.model.arrays, CYCLES), dynamics=ENDING)
     return ExactBelief(model, np.pad(task.states, [(0, 0), (0, 1)]), task.weights)
 
 

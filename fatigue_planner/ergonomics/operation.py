@@ -75,11 +75,16 @@ class Operation:
             goals = self.request.action.goals()
             share = [self.stated.load_kg / len(goals) if side in goals else 0.0 for side in SIDES]
             return np.tile(share, (len(self.posture.time_s), 1))
+        forces = np.linalg.norm(self.motion.hand_force_n[:: self.stride].reshape(-1, len(SIDES), 3), axis=2)
+        return np.asarray(self.held_kg + forces / GRAVITY_MPS2)
+
+    @cached_property
+    def held_kg(self) -> Matrix:
+        """The masses that the simulated hands hold at every instant, (n, 2)."""
         held = np.zeros((len(self.motion.configuration), len(SIDES)))
         for run in runs_of(self.request.tool, self.request.action, self.motion.phases):
             held[run.start : run.stop] = run.right_kg, run.left_kg
-        forces = np.linalg.norm(self.motion.hand_force_n.reshape(-1, len(SIDES), 3), axis=2)
-        return np.asarray((held + forces / GRAVITY_MPS2)[:: self.stride])
+        return held[:: self.stride]
 
     @cached_property
     def torque_share(self) -> Matrix:

@@ -37,6 +37,7 @@ class PostureCourse:
     neck_deg          head in the chest: flexion; negative: extension
     neck_side_deg     the same, to the right
     neck_twist_deg    the same, to the left
+    lumbar_deg        long axis of the abdomen, next above L5/S1, against the vertical
     head_deg          head against the vertical; negative: looking up by more than BACKWARD_DEG
     arm_to_trunk_deg  upper arm from hanging along the chest; negative: backwards more than sideways
     arm_forward_deg   the same, out of the chest's frontal plane; negative: behind it
@@ -67,6 +68,7 @@ class PostureCourse:
     neck_deg: Vector
     neck_side_deg: Vector
     neck_twist_deg: Vector
+    lumbar_deg: Vector
     head_deg: Vector
     arm_to_trunk_deg: Matrix
     arm_forward_deg: Matrix
@@ -105,6 +107,7 @@ class PostureCourse:
             neck_deg=np.degrees(np.arctan2(neck[:, 0, 2], neck[:, 2, 2])),
             neck_side_deg=-_arcsine(neck[:, 1, 2]),
             neck_twist_deg=np.degrees(np.arctan2(neck[:, 1, 0], neck[:, 1, 1])),
+            lumbar_deg=_from_vertical(_up(poses, "abdomen")),
             head_deg=_signed(_from_vertical(_up(poses, "head")), _up(poses, "head"), _forward(poses, "head")),
             arm_to_trunk_deg=np.stack([_to_trunk(line) for line in arm], axis=1),
             arm_forward_deg=np.stack([_arcsine(line[:, 0]) for line in arm], axis=1),

@@ -7,17 +7,27 @@ from collections.abc import Sequence
 from typing import Annotated
 
 from fatigue_planner.ergonomics.indicator import INDICATORS, Indicator
+from fatigue_planner.ergonomics.indicators.acceptable_effort import AcceptableEffort
+from fatigue_planner.ergonomics.indicators.duet import Duet
 from fatigue_planner.ergonomics.indicators.en_1005_4 import En10054
+from fatigue_planner.ergonomics.indicators.holding_time import HoldingTime
 from fatigue_planner.ergonomics.indicators.iso_11226 import Iso11226
+from fatigue_planner.ergonomics.indicators.l5s1_compression import L5S1Compression
+from fatigue_planner.ergonomics.indicators.lm_mmh import LibertyMutual
 from fatigue_planner.ergonomics.indicators.niosh_lifting import NioshLifting
 from fatigue_planner.ergonomics.indicators.owas import Owas
+from fatigue_planner.ergonomics.indicators.percent_capable import PercentCapable
 from fatigue_planner.ergonomics.indicators.reba import Reba
 from fatigue_planner.ergonomics.indicators.rula import Rula
+from fatigue_planner.ergonomics.indicators.strain_index import StrainIndex
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.result import Assessment
 from fatigue_planner.ergonomics.stated import Shift
 
-KINDS = (Rula, Reba, Iso11226, En10054, Owas, NioshLifting)
+KINDS = (
+    Rula, Reba, Iso11226, En10054, Owas, NioshLifting, PercentCapable, AcceptableEffort, HoldingTime, L5S1Compression,
+    LibertyMutual, StrainIndex, Duet,
+)  # fmt: skip
 for kind in KINDS:
     INDICATORS.add(kind)
 

@@ -131,7 +131,8 @@ class Assessment:
         """The value with what decides it, in a line: `3 (4 if repeated more than 4 times a minute)`."""
         if self.value is None:
             return f"does not apply: {self.reason}"
-        known = f"{printed(self.value.low, self.digits)}{f' {self.unit}' if self.unit else ''}"
+        shown = self.value if not self.decides else Span(self.value.low, self.value.low)
+        known = f"{shown.text(self.digits)} {self.unit}".rstrip()
         more = "; ".join(f"{printed(one.value, self.digits)} {one.condition}" for one in self.decides)
         most = f"; {printed(self.value.high, self.digits)} if all" if len(self.decides) > 1 else ""
         return f"{known} ({more}{most})" if more else known

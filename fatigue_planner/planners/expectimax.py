@@ -26,7 +26,7 @@ LEAVES = True
 class Levels(NamedTuple):
     """Working memory: level d's belief lies in rows begin[d] ... begin[d] + size[d] - 1.
 
-    states (rows, L), weights (rows,), probabilities (rows, K); size, branch (depth,); values (depth, A).
+    states (rows, L), weights (rows,), probabilities (rows, K); size, branch (levels,); values (levels, A).
     branch[d] counts the branches (an action, then an observation) begun at level d.
     """
 
@@ -40,20 +40,23 @@ class Levels(NamedTuple):
 
 
 def new_levels(
-    states: int, width: int, depth: int, outcomes: int, actions: int, observation_reveals_outcome: bool
+    states: int, width: int, levels: int, outcomes: int, actions: int, observation_reveals_outcome: bool
 ) -> Levels:
-    """Memory for a lookahead from a belief of `states` states; beliefs grow unless observations reveal outcomes."""
-    sizes = [states * (1 if observation_reveals_outcome else outcomes**level) for level in range(depth + 1)]
+    """Memory for beliefs that begin with `states` states, on so many levels and, of a last cycle, the leaves.
+
+    Beliefs grow unless observations reveal outcomes.
+    """
+    sizes = [states * (1 if observation_reveals_outcome else outcomes**level) for level in range(levels + 1)]
     begin = np.concatenate([[0], np.cumsum(sizes)])
     rows = int(begin[-1])
     return Levels(
         begin,
-        np.zeros(depth, np.int64),
-        np.zeros(depth, np.int64),
+        np.zeros(levels, np.int64),
+        np.zeros(levels, np.int64),
         aligned(np.empty((rows, width))),
         np.empty(rows),
         np.empty((rows, outcomes)),
-        np.empty((depth, actions)),
+        np.empty((levels, actions)),
     )
 
 
@@ -61,6 +64,7 @@ def best_return(
     arrays: Any,
     bound_arrays: Any,
     levels: Levels,
+    ends: Any,
     workspace: Workspace,
     parameters: SearchParameters,
     rng: np.random.Generator,
@@ -69,15 +73,18 @@ def best_return(
 
         V(b) = max over a of  sum over s, u of b(s) P(u | s, a) r(s, a, u)  +  gamma * sum over o of V(b_ao)
 
-    with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. A state below the
-    last level counts with its leaf value. The search is depth first and leaves the actions' values in values[0].
+    with b_ao(s') = sum of b(s) P(u | s, a) P(o | s', a, u), not normalised. The last level's values are those of
+    `last_cycles`. The search is depth first and leaves the actions' values in values[0].
     """
-    depth, actions = levels.values.shape
+    count, actions = levels.values.shape
     observations = levels.probabilities.shape[1] if OBSERVATION_REVEALS_OUTCOME else N_OBSERVATIONS
     level = 0
     levels.branch[0] = 0
     while True:
         values = levels.values[level]
+        if level + 1 == count and levels.branch[level] == 0:
+            last_cycles(arrays, bound_arrays, levels, ends, workspace, parameters, rng)
+            levels.branch[level] = actions * observations
         if levels.branch[level] == actions * observations:
             best = values[0]
             for action in range(1, actions):
@@ -88,13 +95,8 @@ def best_return(
             levels.values[level, (levels.branch[level] - 1) // observations] += parameters.discount * best
             continue
         action, observation = levels.branch[level] // observations, levels.branch[level] % observations
-        last = level + 1 == depth
         if observation == 0 and not may(arrays, levels, level, action):
             values[action] = -np.inf
-            levels.branch[level] += observations
-            continue
-        if last and not LEAVES:
-            values[action] = expected_now(arrays, levels, workspace, level, action)
             levels.branch[level] += observations
             continue
         if observation == 0:
@@ -104,15 +106,55 @@ def best_return(
         levels.branch[level] += 1
         reached, reward = observe(arrays, levels, level, action, observation)
         values[action] += reward
-        if last:
-            for row in range(levels.begin[depth], levels.begin[depth] + reached):
-                leaf = Workspace(levels.states[row], workspace.moved, workspace.probabilities, *workspace[3:])
-                value = leaf_value(arrays, bound_arrays, leaf, parameters, actions, rng)
-                values[action] += parameters.discount * levels.weights[row] * value
-        elif reached > 0:
+        if reached > 0:
             level += 1
             levels.size[level] = reached
             levels.branch[level] = 0
+
+
+def last_cycles(
+    arrays: Any,
+    bound_arrays: Any,
+    levels: Levels,
+    ends: Any,
+    workspace: Workspace,
+    parameters: SearchParameters,
+    rng: np.random.Generator,
+) -> None:
+    """Placeholder for the values of all actions at the last level; `ends` is its own memory."""
+    raise NotImplementedError
+
+
+def last_cycle(
+    arrays: Any,
+    bound_arrays: Any,
+    levels: Levels,
+    _ends: Any,
+    workspace: Workspace,
+    parameters: SearchParameters,
+    rng: np.random.Generator,
+) -> None:
+    """Template: one more cycle, after which every state counts with its leaf value."""
+    level, actions = levels.values.shape[0] - 1, levels.values.shape[1]
+    observations = levels.probabilities.shape[1] if OBSERVATION_REVEALS_OUTCOME else N_OBSERVATIONS
+    begin, below, values = levels.begin[level], levels.begin[level + 1], levels.values[level]
+    for action in range(actions):
+        if not may(arrays, levels, level, action):
+            values[action] = -np.inf
+            continue
+        if not LEAVES:
+            values[action] = expected_now(arrays, levels, workspace, level, action)
+            continue
+        values[action] = 0.0
+        for i in range(begin, begin + levels.size[level]):
+            outcome_probabilities(arrays, levels.states[i], action, levels.probabilities[i])
+        for observation in range(observations):
+            reached, reward = observe(arrays, levels, level, action, observation)
+            values[action] += reward
+            for row in range(below, below + reached):
+                leaf = Workspace(levels.states[row], workspace.moved, workspace.probabilities, *workspace[3:])
+                value = leaf_value(arrays, bound_arrays, leaf, parameters, actions, rng)
+                values[action] += parameters.discount * levels.weights[row] * value
 
 
 @inlined_for_any_problem

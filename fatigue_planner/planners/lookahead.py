@@ -10,6 +10,7 @@ from fatigue_planner.core.errors import ExperimentError, ProblemError
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, best_return, new_levels
+from fatigue_planner.planners.plan_leaves import last_cycles_of, new_ends, plans_in_reach
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, Rule, Vector, plain_decision
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
@@ -18,9 +19,11 @@ from fatigue_planner.planners.pomcp.kernels import (
     LeafValueName,
     bound_arrays_for,
     lookahead_kernel,
+    values_whole_beliefs,
 )
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
-from fatigue_planner.pomdp.cyclic_plans import most_plans
+from fatigue_planner.pomdp.beliefs.moments import MIN_STATES, belief_in_moments
+from fatigue_planner.pomdp.cyclic_plans import PlanValues, most_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -60,7 +63,8 @@ class LookaheadPolicy(Policy):
         self.draws_at_random = settings.leaf_value == "random_rollout"
         self._model: Pomdp | None = None
         self._kernel: Any = None
-        self._levels: Levels | None = None
+        self._memory: tuple[Levels, Any] | None = None
+        self._shape: tuple[int, ...] = ()
         self._workspace = new_workspace(0, 0, 0)
         self._tables = tables(0)
 
@@ -82,23 +86,46 @@ class LookaheadPolicy(Policy):
                 raise ProblemError(
                     "lookahead goes through every observation; this problem's are continuous: use pomcpow."
                 )
-            self._model, self._kernel, self._levels = model, lookahead_kernel(model, settings.leaf_value), None
+            self._model, self._kernel = model, lookahead_kernel(model, settings.leaf_value)
         else:
             model.check_again(belief.states)
-        count, width = belief.states.shape
-        if self._levels is None or self._levels.begin[1] != count:
-            outcomes, actions = len(model.outcomes), len(model.actions)
-            self._levels = new_levels(
-                count, width, settings.depth, outcomes, actions, model.observation_reveals_outcome
-            )
-            self._workspace = new_workspace(width, outcomes, 0)
-        levels = self._levels
-        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
+        if settings.leaf_value in DRAWS_NOTHING:
+            belief = belief_in_moments(belief)
+        model = belief.model
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
+        if values_whole_beliefs(model, settings.leaf_value):
+            bound_arrays = plans_in_reach(belief, bound_arrays, settings.depth)
+        levels, ends = self._room(belief, bound_arrays)
+        count = len(belief.weights)
+        levels.states[:count], levels.weights[:count], levels.size[0] = belief.states, belief.weights, count
         parameters = SearchParameters(0.0, model.discount, settings.rollout_cycles, *self._tables)
+        draws = rng if "rollout" in settings.leaf_value else None  # to hand it over takes a quarter of a small decision
         with model.told:
-            self._kernel(model.arrays, bound_arrays, levels, self._workspace, parameters, rng)
+            self._kernel(model.arrays, bound_arrays, levels, ends, self._workspace, parameters, draws)
         return np.asarray(levels.values[0].copy())
+
+    def _room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
+        """Working memory, kept from decision to decision."""
+        model = belief.model
+        plans = bound_arrays.constant.shape[1] if isinstance(bound_arrays, PlanValues) else 0
+        shape = *belief.states.shape, plans, len(model.actions), len(model.outcomes), len(model.observations)
+        if self._memory is None or self._shape != shape:
+            self._memory, self._shape = self._new_room(belief, bound_arrays), shape
+            self._workspace = new_workspace(belief.states.shape[1], len(belief.model.outcomes), 0)
+        return self._memory
+
+    def _new_room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
+        """The levels, and what the last cycles need."""
+        model, (count, width), depth = belief.model, belief.states.shape, self.settings.depth
+        actions, outcomes, observations = (len(names) for names in (model.actions, model.outcomes, model.observations))
+        last = 1
+        ends: Any = 0
+        if values_whole_beliefs(model, self.settings.leaf_value):
+            assert isinstance(model, FatiguePomdp)
+            last = last_cycles_of(model, bound_arrays, depth)
+            ends = new_ends(actions, outcomes, observations, bound_arrays.constant.shape[1], width, last)
+        levels = new_levels(count, width, depth + 1 - last, outcomes, actions, model.observation_reveals_outcome)
+        return levels, ends
 
     def rule(self) -> Rule | None:
         """See Policy.rule; rollouts draw."""
@@ -106,16 +133,18 @@ class LookaheadPolicy(Policy):
         if leaf_value not in DRAWS_NOTHING:
             return None
         return Rule(
-            lambda model: specialised(choose_best, best_return=lookahead_kernel(model, leaf_value)), self._rule_memory
+            lambda model: specialised(choose_best, best_return=lookahead_kernel(model, leaf_value)),
+            self._rule_memory,
+            most_states=MIN_STATES - 1,
         )
 
     def _rule_memory(self, belief: Belief) -> "RuleMemory":
         settings, model = self.settings, belief.model
-        (count, width), outcomes, actions = belief.states.shape, len(model.outcomes), len(model.actions)
+        bound_arrays = bound_arrays_for(model, settings.leaf_value)
         return RuleMemory(
-            bound_arrays_for(model, settings.leaf_value),
-            new_levels(count, width, settings.depth, outcomes, actions, model.observation_reveals_outcome),
-            new_workspace(width, outcomes, 0),
+            bound_arrays,
+            *self._new_room(belief, bound_arrays),
+            new_workspace(belief.states.shape[1], len(model.outcomes), 0),
             SearchParameters(0.0, model.discount, settings.rollout_cycles, *tables(0)),
         )
 
@@ -129,6 +158,7 @@ class RuleMemory(NamedTuple):
 
     bound_arrays: Any
     levels: Levels
+    ends: Any
     workspace: Workspace
     parameters: SearchParameters
 
@@ -141,7 +171,7 @@ def choose_best(arrays: Any, memory: RuleMemory, states: Array, weights: Vector,
         for j in range(states.shape[1]):
             levels.states[i, j] = states[i, j]
     levels.size[0] = weights.size
-    best_return(arrays, memory.bound_arrays, levels, memory.workspace, memory.parameters, rng)
+    best_return(arrays, memory.bound_arrays, levels, memory.ends, memory.workspace, memory.parameters, rng)
     return int(np.argmax(levels.values[0]))
 
 

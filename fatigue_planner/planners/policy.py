@@ -50,10 +50,12 @@ class Rule(NamedTuple):
 
     choose(problem): the function (arrays, memory, states, weights, rng) -> action, which draws nothing from `rng`
     memory(belief): what it works with, for beliefs of at most as many states
+    most_states: beliefs of more states are decided otherwise
     """
 
     choose: Callable[[Pomdp], Any]
     memory: Callable[[Belief], Any]
+    most_states: float = np.inf
 
 
 class Policy(ABC):

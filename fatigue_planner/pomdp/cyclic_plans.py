@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import ExperimentError
-from fatigue_planner.core.jit import inlined
+from fatigue_planner.core.jit import compiled, inlined
+from fatigue_planner.pomdp.simd import LANES, aligned, aligned_zeros, quadratic, sum_in_lanes
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -22,6 +23,8 @@ MAX_PLANS = 1000
 # Where there are too many actions for that: so many of the best longer plans of a rested worker, found by extending the
 # best of every length by every action, about MAX_EXTENDED of a length; each from every starting point.
 PROMISING_PLANS, MAX_EXTENDED = 16, 10_000
+# Stands for a curvature of 0 where it is divided by.
+TINY = 1e-300
 # By so many of the possible workers they are judged.
 JUDGES = 4
 
@@ -61,12 +64,25 @@ def plan_values(moments: "MeanMaps", discount: float, entries: int) -> PlanValue
     plans = cyclic_plans(actions)
     if len(plans) == actions > 1:  # too many actions to list longer plans
         plans += _promising_plans(moments, discount, entries)
-    found = [
-        values_of_plans(moments, discount, entries, np.array([plan for plan in plans if len(plan) == length]))
-        for length in sorted({len(plan) for plan in plans})
-    ]
-    values = PlanValues(*(np.concatenate(parts, axis=1) for parts in zip(*found, strict=True)))
-    return _undominated(values) if workers == 1 else values
+    values = _values(moments, discount, entries, *in_turns(plans))
+    return undominated(values, np.zeros(moments.weight.size), np.ones(moments.weight.size)) if workers == 1 else values
+
+
+def in_turns(plans: list[tuple[int, ...]]) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
+    """Plans (N, longest) without those that start another one elsewhere, their lengths, and the rows of all starts.
+
+    The value of a plan from every starting point is a step of one recursion, so they are so many at the work of one.
+    """
+    number = {plan: index for index, plan in enumerate(plans)}
+    groups = []
+    for plan in plans:
+        if plan in number:
+            groups.append([number.pop(plan[i:] + plan[:i]) for i in range(len(plan))])
+    lengths = np.array([len(group) for group in groups])
+    cycles, rows = (np.full((len(groups), lengths.max()), -1) for _ in range(2))
+    for index, group in enumerate(groups):
+        cycles[index, : len(group)], rows[index, : len(group)] = plans[group[0]], group
+    return cycles, lengths, rows
 
 
 def most_plans(actions: int) -> int:
@@ -125,75 +141,144 @@ def mean_maps(gain: Array, offset: Array, weight: Vector, posture_cost: Array) -
 
 
 def values_of_plans(moments: MeanMaps, discount: float, entries: int, plans: NDArray[np.intp]) -> PlanValues:
-    """The discounted returns of endless cyclic plans (P, length). The discount is below 1.
-
-    With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j w_j f_j^2 / 2N + p, before it, with means
-    over the reactions f' = g f + o:
-        A <- mean (gamma A - w / 2N) g^2
-        B <- mean 2 (gamma A - w / 2N) g o + gamma B g
-        C <- sum_j mean (gamma A - w / 2N) o^2 + gamma B o  -  mean p  +  gamma C
-    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
-    """
-    phases, weight = plans.T[::-1], moments.weight  # the last cycle first
-    square = _fixed_point([(discount * moments.gg[:, now], -moments.gg[:, now] * weight / entries) for now in phases])
-    curvature = [discount * after - weight / entries for after in square]
-    linear = _fixed_point(
-        [(discount * moments.g[:, now], 2 * w * moments.go[:, now]) for now, w in zip(phases, curvature, strict=True)]
-    )
-    added = [
-        (w * moments.oo[:, now] + discount * after * moments.o[:, now]).sum(axis=-1) - moments.posture[now]
-        for now, w, after in zip(phases, curvature, linear, strict=True)
-    ]
-    constant = _fixed_point([(np.full_like(cost, discount), cost) for cost in added])
-    return PlanValues(square[0], linear[0], constant[0])
+    """The discounted returns of endless cyclic plans (P, length). The discount is below 1."""
+    lengths, rows = np.full(len(plans), plans.shape[1]), np.full(plans.shape, -1)
+    rows[:, 0] = np.arange(len(plans))
+    return _values(moments, discount, entries, plans, lengths, rows)
 
 
-def _fixed_point(steps: list[tuple[Array, Array]]) -> list[Array]:
-    """x before each of the steps x <- a x + b, repeated forever: the last step ends where the first begins."""
-    slope, shift = np.ones_like(steps[0][0]), np.zeros_like(steps[0][1])
-    for a, b in steps:
-        slope, shift = a * slope, a * shift + b
-    values = [shift / (1 - slope)]
-    for a, b in steps[:-1]:
-        values.append(a * values[-1] + b)
+def _values(
+    moments: MeanMaps,
+    discount: float,
+    entries: int,
+    plans: NDArray[np.intp],
+    lengths: NDArray[np.intp],
+    rows: NDArray[np.intp],
+) -> PlanValues:
+    """See `fill_values`."""
+    shape = moments.g.shape[0], int(rows.max()) + 1, moments.weight.size
+    values = PlanValues(aligned_zeros(shape), aligned_zeros(shape), np.zeros(shape[:2]))
+    fill_values(moments, discount, moments.weight / entries, plans, lengths, rows, values)
     return values
 
 
-def _undominated(values: PlanValues) -> PlanValues:
-    """Without dominated plans, which for no fatigue in [0, 1] are better than some other plan.
+@compiled
+def fill_values(  # noqa: PLR0912 - loops over entries, which become vector code
+    moments: MeanMaps,
+    discount: float,
+    weight: Vector,
+    plans: NDArray[np.intp],
+    lengths: NDArray[np.intp],
+    rows: NDArray[np.intp],
+    values: PlanValues,
+) -> None:
+    """Fill in the values of plans (P, length), from starting point i in row rows[p, i] unless that is negative.
+
+    With V(f) = sum_j A_j f_j^2 + B_j f_j + C after a cycle and cost sum_j w_j f_j^2 + p, before it, with means
+    over the reactions f' = g f + o:
+        A <- mean (gamma A - w) g^2
+        B <- mean 2 (gamma A - w) g o + gamma B g
+        C <- sum_j mean (gamma A - w) o^2 + gamma B o  -  mean p  +  gamma C
+    Backwards through a whole plan each of A, B, C is mapped affinely to itself; the fixed point is the plan's value.
+    """
+    width, longest = weight.size, plans.shape[1]
+    slope, shift, terms, lanes = np.empty(width), np.empty(width), np.empty(width), np.empty(LANES)
+    square, linear, bent = np.empty((longest, width)), np.empty((longest, width)), np.empty((longest, width))
+    added, constant = np.empty(longest), np.empty(longest)
+    for m in range(moments.g.shape[0]):
+        g, gg, o, oo, go = moments.g[m], moments.gg[m], moments.o[m], moments.oo[m], moments.go[m]
+        for p in range(plans.shape[0]):
+            length = lengths[p]
+            for j in range(width):
+                slope[j], shift[j] = 1.0, 0.0
+            for step in range(length):  # the last cycle first
+                a = plans[p, length - 1 - step]
+                for j in range(width):
+                    slope[j] *= discount * gg[a, j]
+                    shift[j] = (discount * shift[j] - weight[j]) * gg[a, j]
+            for j in range(width):
+                square[0, j] = shift[j] / (1 - slope[j])
+            for step in range(length):
+                a = plans[p, length - 1 - step]
+                for j in range(width):
+                    bent[step, j] = discount * square[step, j] - weight[j]
+                if step + 1 < length:
+                    for j in range(width):
+                        square[step + 1, j] = bent[step, j] * gg[a, j]
+            for j in range(width):
+                slope[j], shift[j] = 1.0, 0.0
+            for step in range(length):
+                a = plans[p, length - 1 - step]
+                for j in range(width):
+                    slope[j] *= discount * g[a, j]
+                for j in range(width):
+                    shift[j] = discount * g[a, j] * shift[j] + 2 * bent[step, j] * go[a, j]
+            for j in range(width):
+                linear[0, j] = shift[j] / (1 - slope[j])
+            for step in range(length - 1):
+                a = plans[p, length - 1 - step]
+                for j in range(width):
+                    linear[step + 1, j] = discount * g[a, j] * linear[step, j] + 2 * bent[step, j] * go[a, j]
+            whole, decay = 0.0, 1.0
+            for step in range(length):
+                a = plans[p, length - 1 - step]
+                for j in range(width):
+                    terms[j] = bent[step, j] * oo[a, j] + discount * linear[step, j] * o[a, j]
+                added[step] = sum_in_lanes(terms, lanes) - moments.posture[a]
+                whole = discount * whole + added[step]
+                decay *= discount
+            constant[0] = whole / (1 - decay)
+            for step in range(length - 1):
+                constant[step + 1] = discount * constant[step] + added[step]
+            for step in range(length):
+                row = rows[p, (length - step) % length]  # from the cycle that follows this step's
+                if row >= 0:
+                    for j in range(width):
+                        values.square[m, row, j] = square[step, j]
+                    for j in range(width):
+                        values.linear[m, row, j] = linear[step, j]
+                    values.constant[m, row] = constant[step]
+
+
+def undominated(values: PlanValues, low: Vector, high: Vector) -> PlanValues:
+    """One worker's plans without those which for no fatigue between `low` and `high` (W,) are better than another.
 
     The difference of two plans' values is a sum over the entries of a quadratic in each, so its maximum
-    is the sum of their maxima.
+    is the sum of their maxima. What is never better for a fatigue is not for the mean over several, either.
     """
     square, linear, constant = values.square[0], values.linear[0], values.constant[0]
-    undominated = np.ones(constant.size, dtype=bool)
-    for better in np.argsort(-constant):
-        if undominated[better]:
-            a, b, c = square - square[better], linear - linear[better], constant - constant[better]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                top = np.clip(-b / (2 * a), 0, 1)
-            middle = np.where(a < 0, (a * top + b) * top, 0.0)
-            dominated = np.maximum(np.maximum(a + b, 0), middle).sum(axis=1) + c <= 0
-            dominated[better] = False
-            undominated &= ~dominated
-    return PlanValues(*(table[:, undominated] for table in values))
+    middle = (low + high) / 2
+    order = np.argsort(-(constant + ((square * middle + linear) * middle).sum(axis=1)), kind="stable")
+    kept = np.ones(constant.size, dtype=bool)
+    leave_out(PlanValues(square, linear, constant), low, high, order, kept)
+    return PlanValues(aligned(values.square[:, kept]), aligned(values.linear[:, kept]), values.constant[:, kept])
+
+
+@compiled
+def leave_out(values: PlanValues, low: Vector, high: Vector, order: NDArray[np.intp], kept: NDArray[np.bool_]) -> None:
+    """Unmark in `kept` (P,) the dominated ones of plans (P, W); those that come first in `order` stay."""
+    terms, lanes = np.empty(low.size), np.empty(LANES)
+    for better in order:
+        if not kept[better]:
+            continue
+        for rival in range(kept.size):
+            if rival == better or not kept[rival]:
+                continue
+            for j in range(low.size):
+                a = values.square[rival, j] - values.square[better, j]
+                b = values.linear[rival, j] - values.linear[better, j]
+                top = min(max(-0.5 * b / min(a, -TINY), low[j]), high[j])  # where it is greatest if a < 0
+                terms[j] = max((a * low[j] + b) * low[j], (a * high[j] + b) * high[j], (a * top + b) * top)
+            if values.constant[rival] - values.constant[better] + sum_in_lanes(terms, lanes) <= 0:
+                kept[rival] = False
 
 
 @inlined
 def best_plan_value(values: PlanValues, state: Vector) -> float:
-    """The value of the best plan for a state, whose last number is the worker.
-
-    The sum is kept in four parts that do not wait for each other (`simd.LANES`).
-    """
+    """The value of the best plan for a state, whose last number is the worker."""
     worker = int(state[state.size - 1])
     square, linear = values.square[worker], values.linear[worker]
     best = -np.inf
     for plan in range(square.shape[0]):
-        s0 = s1 = s2 = s3 = 0.0
-        for j in range(0, square.shape[1], 4):
-            s0 += (square[plan, j] * state[j] + linear[plan, j]) * state[j]
-            s1 += (square[plan, j + 1] * state[j + 1] + linear[plan, j + 1]) * state[j + 1]
-            s2 += (square[plan, j + 2] * state[j + 2] + linear[plan, j + 2]) * state[j + 2]
-            s3 += (square[plan, j + 3] * state[j + 3] + linear[plan, j + 3]) * state[j + 3]
-        best = max(best, values.constant[worker, plan] + ((s0 + s1) + (s2 + s3)))
+        best = max(best, values.constant[worker, plan] + quadratic(square, linear, state, plan))
     return best

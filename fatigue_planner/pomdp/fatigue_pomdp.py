@@ -226,6 +226,20 @@ class FatiguePomdp(Pomdp):
         gain, offset = (table.reshape(shape)[workers] for table in (self.arrays.gain, self.arrays.offset))
         return mean_maps(gain, offset, self.arrays.cost.weight, self.posture_cost)
 
+    @cached_property
+    def in_moments(self) -> "FatiguePomdp":
+        """The task of novices whose states hold the means and then the standard deviations of the active entries.
+
+        See `beliefs.moments`. Its `state` and `fatigue` are those of the task itself.
+        """
+        arrays, cost = self.arrays, self.arrays.cost
+        twice = arrays._replace(
+            gain=aligned(np.hstack([arrays.gain, arrays.gain])),
+            offset=aligned(np.hstack([arrays.offset, np.zeros_like(arrays.offset)])),
+            cost=cost._replace(weight=np.concatenate([cost.weight, cost.weight])),
+        )
+        return replace(self, arrays=twice)
+
     @property
     def posture_cost(self) -> Array:
         """What the posture of every reaction adds to the cost, (A, U)."""

@@ -1,4 +1,4 @@
-"""The step of all entries at once, f = gain * state + offset, as vector code.
+"""The step of all entries at once, f = gain * state + offset, and sums over all entries, as vector code.
 
 Numba compiles a loop over the entries to one entry after the other. This does the same in blocks of LANES
 entries, and in groups of such blocks, which takes a quarter of the time. Plain Python adds in the same order.
@@ -14,6 +14,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from fatigue_planner.core.jit import inlined
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -39,8 +41,11 @@ def aligned(array: NDArray[Any]) -> NDArray[Any]:
     return copy
 
 
-def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) -> Any:
-    """The sum of f^2 over a row's blocks of LANES entries, f = gain * state + offset; `store` writes f to state."""
+def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool, squares: bool) -> Any:
+    """The sum over a row's blocks of LANES entries of f^2 (`squares`) or f * state, f = gain * state + offset.
+
+    `store` writes f to state.
+    """
     block = ir.VectorType(ir.DoubleType(), LANES)
     arrays = [
         context.make_array(kind)(context, builder, value) for kind, value in zip(signature.args, args[:3], strict=False)
@@ -61,17 +66,18 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) ->
             [builder.bitcast(builder.gep(start, [number(i * LANES)]), block.as_pointer()) for start in starts]
             for i in range(count)
         ]
-        after = []
+        after, factors = [], []
         for block_pointers in pointers:
             g, o, s = (builder.load(pointer, align=8) for pointer in block_pointers)
             after.append(builder.fadd(builder.fmul(g, s), o))
+            factors.append(after[-1] if squares else s)
         if store:
             for (_, _, pointer), f in zip(pointers, after, strict=True):
                 builder.store(f, pointer, align=8)
-        squares = [builder.fmul(f, f) for f in after]
-        while len(squares) > 1:  # neighbours first
-            squares = [builder.fadd(left, right) for left, right in zip(squares[::2], squares[1::2], strict=True)]
-        builder.store(builder.fadd(builder.load(total), squares[0]), total)
+        terms = [builder.fmul(f, factor) for f, factor in zip(after, factors, strict=True)]
+        while len(terms) > 1:  # neighbours first
+            terms = [builder.fadd(left, right) for left, right in zip(terms[::2], terms[1::2], strict=True)]
+        builder.store(builder.fadd(builder.load(total), terms[0]), total)
 
     begin = number(0)
     for count in GROUPS:
@@ -90,18 +96,18 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool) ->
     return builder.extract_element(vector, ir.Constant(ir.IntType(32), 0))
 
 
-def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool) -> float:
+def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool, squares: bool) -> float:
     """What `_emit` compiles."""
     width = gain.shape[1]
     f = gain[row] * state[:width] + offset[row]
+    terms = (f * (f if squares else state[:width])).reshape(-1, LANES)
     if store:
         state[:width] = f
-    squares = (f * f).reshape(-1, LANES)
     total, begin = np.zeros(LANES), 0
     for count in GROUPS:
-        end = len(squares) - len(squares) % count
+        end = len(terms) - len(terms) % count
         for i in range(begin, end, count):
-            group = squares[i : i + count]
+            group = terms[i : i + count]
             while len(group) > 1:
                 group = group[::2] + group[1::2]
             total += group[0]
@@ -111,11 +117,11 @@ def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool) -> 
     return float(total[0])
 
 
-def _compiled(store: bool) -> Callable[[Array, Array, Vector, int], float]:
+def _compiled(store: bool, squares: bool) -> Callable[[Array, Array, Vector, int], float]:
     @intrinsic  # type: ignore[untyped-decorator]
     def step(typing: Any, gain: Any, offset: Any, state: Any, row: Any) -> Any:
         def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return _emit(context, builder, signature, args, store)
+            return _emit(context, builder, signature, args, store, squares)
 
         return types.float64(gain, offset, state, types.intp), codegen
 
@@ -123,14 +129,30 @@ def _compiled(store: bool) -> Callable[[Array, Array, Vector, int], float]:
     return found
 
 
-def _interpreted(store: bool) -> Callable[[Array, Array, Vector, int], float]:
-    return lambda gain, offset, state, row: _plain(gain, offset, state, row, store)
+def _interpreted(store: bool, squares: bool) -> Callable[[Array, Array, Vector, int], float]:
+    return lambda gain, offset, state, row: _plain(gain, offset, state, row, store, squares)
 
 
 _make = _interpreted if numba.config.DISABLE_JIT else _compiled
 
 # move(gain, offset, state, row): state := gain * state + offset for a row of the (n, W) tables, W a multiple of
 # LANES; the sum of the squares of the new state. A state may be longer than W; the rest stays.
-move = _make(True)
+move = _make(True, True)
 # sum_of_squares_after(gain, offset, state, row): the same sum, and the state stays as it is.
-sum_of_squares_after = _make(False)
+sum_of_squares_after = _make(False, True)
+# quadratic(square, linear, state, row): the sum of (square * state + linear) * state.
+quadratic = _make(False, False)
+
+
+@inlined
+def sum_in_lanes(terms: Vector, lanes: Vector) -> float:
+    """The sum of terms (W,), W a multiple of LANES, in LANES parts that do not wait for each other."""
+    for lane in range(LANES):
+        lanes[lane] = 0.0
+    for j in range(0, terms.size, LANES):
+        for lane in range(LANES):
+            lanes[lane] += terms[j + lane]
+    total = 0.0
+    for lane in range(LANES):
+        total += lanes[lane]
+    return total

@@ -96,8 +96,8 @@ def with_frames(urdf: str, human: Human) -> str:
 
 
 def message(request: MotionRequest) -> dict[str, Any]:
-    """The same problem for controller.py. The tool must be held for the whole cycle."""
-    assert request.tool.held == "cycle"
+    """The same problem for controller.py. The tool must be held for the whole cycle, and the hand not led home."""
+    assert request.tool.held == "cycle" and request.cycle.return_hand == "free"
     human = build_human(request.worker, request.tool.mass_kg)
     settings, cycle = request.controller, request.cycle
     positive, negative = (
@@ -111,7 +111,7 @@ def message(request: MotionRequest) -> dict[str, Any]:
     regularisation, weight_n = settings.regularisation, human.mass_kg * GRAVITY_MPS2
     strength_squared = np.maximum(*maximum_torque(request.worker.strength).vectors()) ** 2
     return {
-        "urdf": with_frames(urdf_text(human.model, (positive, negative), settings.velocity_limit_radps), human),
+        "urdf": with_frames(urdf_text(human, (positive, negative), settings.velocity_limit_radps), human),
         "stance": {
             "base": pin.XYZQUATToSE3(human.stance[:7]).homogeneous.tolist(),
             "joints": dict(zip(list(human.model.names)[2:], human.stance[7:].tolist(), strict=True)),
@@ -126,7 +126,10 @@ def message(request: MotionRequest) -> dict[str, Any]:
         ],
         "weights": settings.weights.model_dump(),
         "stiffness_per_s2": settings.stiffness_per_s2.model_dump(),
-        "upright": [(task.segment, task.weight) for task in request.preference.tasks],
+        "upright": [
+            (task.segment, task.weight, task.stiffness_per_s2 or settings.stiffness_per_s2.segment)
+            for task in request.preference.tasks
+        ],
         "sole_length_m": 2 * human.sole_half_length_m,
         "sole_breadth_m": 2 * human.sole_half_breadth_m,
         "pyramid_friction": settings.friction_coefficient / np.sqrt(2),  # the pyramid inside the cone, as ours

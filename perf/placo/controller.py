@@ -88,13 +88,11 @@ class Controller:
         balance.configure("centre_of_mass", "soft", weights["centre_of_mass"])
         balance.mask.set_axises("xy", "task")
         balance.kp = stiffness["centre_of_mass"]
-        hand = solver.add_frame_task("right_grip", robot.get_T_world_frame("right_grip"))
+        self.hand = hand = solver.add_frame_task("right_grip", robot.get_T_world_frame("right_grip"))
         hand.configure("hand", "soft", weights["hand"], weights["hand"])
         self.hand_position, self.hand_orientation = hand.position(), hand.orientation()
         self.hand_position.kp = self.hand_orientation.kp = stiffness["hand"]
-        self.upright = [
-            Upright(solver, robot, segment, weight, stiffness["segment"]) for segment, weight in request["upright"]
-        ]
+        self.upright = [Upright(solver, robot, *task) for task in request["upright"]]
         posture = solver.add_joints_task()
         posture.set_joints(request["stance"]["joints"])
         posture.configure("posture", "soft", weights["posture"])
@@ -140,12 +138,16 @@ class Controller:
         record = {name: np.empty((ticks, width)) for name, width in widths.items()}
         hand_error, displacement = np.empty((ticks, 3)), np.empty((ticks, 2, 3))
         positions, rotations = poses[:, :3, 3].copy(), poses[:, :3, :3].copy()
+        release = sum(int(phase["ticks"]) for phase in request["phases"][:2])
         for tick, (velocity, acceleration, spin, spin_rate) in enumerate(zip(*derivatives, strict=True)):
+            if tick == release:  # the posture task alone brings the hand home
+                solver.remove_task(self.hand)
             robot.update_kinematics()
-            position.target_world, position.dtarget_world = positions[tick], velocity
-            position.ddtarget_world = acceleration
-            orientation.R_world_frame, orientation.omega_world = rotations[tick], spin
-            orientation.domega_world = spin_rate
+            if tick < release:
+                position.target_world, position.dtarget_world = positions[tick], velocity
+                position.ddtarget_world = acceleration
+                orientation.R_world_frame, orientation.omega_world = rotations[tick], spin
+                orientation.domega_world = spin_rate
             for segment in upright:
                 segment.update()
             record["configuration"][tick], record["velocity"][tick] = state.q, state.qd
@@ -155,7 +157,7 @@ class Controller:
             record["acceleration"][tick], record["torque_nm"][tick] = result.qdd, result.tau
             record["wrench"][tick, :6], record["wrench"][tick, 6:] = right.wrench, left.wrench
             # the tasks keep their errors at the state before the step
-            hand_error[tick] = position.error
+            hand_error[tick] = position.error if tick < release else 0.0
             displacement[tick, 0], displacement[tick, 1] = right_foot.error, left_foot.error
         record["hand_error_m"] = np.linalg.norm(hand_error, axis=1)
         record["foot_displacement_m"] = np.linalg.norm(displacement, axis=2)

@@ -92,8 +92,9 @@ def test_unwritable_folders(cache_folder: Path, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_regret_and_bound_are_told_and_kept(cache_folder: Path, tmp_path: Path) -> None:
-    """Five cycles of an expert: the bound is the optimum."""
-    grid = ["--cycles", 5, "--conditions", "single_expert", "--policies", "greedy", "--policies", "alternating"]
+    """Five cycles of an expert: the bound is the optimum. `fixed` is no policy that the paper ranks."""
+    grid = ["--cycles", 5, "--conditions", "single_expert"]
+    grid += [word for name in ("greedy", "alternating", "fixed") for word in ("--policies", name)]
     command = ["benchmark", PAPER, "--cache", cache_folder, "--results", tmp_path, *grid, "--regret", "--bound"]
     done = fatplan(*command)
     assert done.returncode == 0, done.stderr
@@ -107,6 +108,8 @@ def test_regret_and_bound_are_told_and_kept(cache_folder: Path, tmp_path: Path) 
     files = json.loads((folder / "manifest.json").read_text())["benchmark"]["sha256"]
     assert {"regret.csv", "bounds.csv", "trials.csv"} <= set(files)
     assert fatplan(*command).stdout == done.stdout
+    report = fatplan("report", PAPER, "--cache", cache_folder, "--results", tmp_path, *grid)
+    assert report.returncode == 0, report.stderr
     # without the options they stay, as they belong to the same runs
     assert fatplan(*command[:-2]).stdout == done.stdout
     assert json.loads((folder / "manifest.json").read_text())["benchmark"]["sha256"] == files

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from plain_python import interpreted
 from scipy.stats import t as student
 from small_problems import choice_probabilities
 
@@ -17,8 +18,8 @@ from fatigue_planner.planners.bounds import sub_solution
 from fatigue_planner.planners.bounds.cost_bound import ROUNDING, CostBound, bound_of, cost_lower_bound
 from fatigue_planner.planners.bounds.lookahead import look_ahead
 from fatigue_planner.planners.bounds.quadratics import Quadratics
-from fatigue_planner.planners.bounds.sub_solution import reaction_extremes
-from fatigue_planner.planners.bounds.task import HistoryClasses, Task, hidden_state
+from fatigue_planner.planners.bounds.sub_solution import below_all, reaction_extremes
+from fatigue_planner.planners.bounds.task import ClassStates, HistoryClasses, Task, hidden_state
 from fatigue_planner.planners.lookahead import LookaheadSettings
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
@@ -189,20 +190,82 @@ def test_damaged_slopes_and_curvatures_never_lift_it_above_the_optimum(
 ) -> None:
     model = small_model(expertise)
     best, whole = optimum(model, SINGLE, 6), bound(model, SINGLE, 6, **SMALL).cost
-    shape = sub_solution.bent_mean
     for seed in range(10):
         rng = np.random.default_rng(seed)
 
-        def damaged(functions: Quadratics, weights: np.ndarray, spread: np.ndarray) -> Quadratics:
-            sound = shape(functions, weights, spread)
-            noise = damage * rng.normal(size=(3, *sound.slope.shape))  # noqa: B023
-            return Quadratics(sound.value + noise[2, :, 0], sound.slope + noise[0], sound.curvature + noise[1])
+        def damaged(functions: Quadratics, states: ClassStates) -> Quadratics:
+            sound = below_all(functions, states)
+            noise = damage * rng.normal(size=(2, *sound.slope.shape))  # noqa: B023
+            shape = Quadratics(sound.value, sound.slope + noise[0], sound.curvature + noise[1])
+            return lowered(shape, functions, states)
 
-        monkeypatch.setattr(sub_solution, "bent_mean", damaged)
+        monkeypatch.setattr(sub_solution, "below_all", damaged)
         found = bound(model, SINGLE, 6, **SMALL).cost
         assert found <= best
         if damage == 10:
             assert found < whole
+
+
+def lowered(shape: Quadratics, functions: Quadratics, states: ClassStates) -> Quadratics:
+    """The functions `shape` (M,), moved up or down until they lie below all functions (M, F) in their box."""
+    excess = (functions - shape[:, None]).minimum(states.low[:, None], states.high[:, None]).min(axis=-1)
+    return Quadratics(shape.value + excess, shape.slope, shape.curvature)
+
+
+def slowly_below_all(functions: Quadratics, states: ClassStates) -> Quadratics:
+    """What `fill_below` does, for all classes at once and every candidate to its end."""
+
+    def candidate(weights: np.ndarray) -> tuple[Quadratics, np.ndarray]:
+        mean = functions.mean(weights)
+        deviation = np.sqrt(np.einsum("mf,mfl->ml", weights, np.square(functions.slope - mean.slope[:, None])))
+        bent = mean.curvature - deviation / (2 * np.maximum(states.spread, sub_solution.MIN_SPREAD))
+        found = lowered(Quadratics(mean.value, mean.slope, bent), functions, states)
+        return found, found.value + (found.curvature * np.square(states.spread)).sum(axis=-1)
+
+    weights = np.zeros_like(functions.value)
+    weights[:, 0] = 1
+    _, merit = candidate(weights)
+    for towards in np.eye(weights.shape[1])[1:]:
+        origin = weights
+        for step in sub_solution.STEPS:
+            moved = (1 - step) * origin + step * towards
+            _, moved_merit = candidate(moved)
+            weights = np.where((moved_merit > merit)[:, None], moved, weights)
+            merit = np.maximum(moved_merit, merit)
+    return candidate(weights)[0]
+
+
+def some_functions(length: int) -> tuple[Quadratics, ClassStates]:
+    """Five functions of each of 30 classes, and the classes' boxes."""
+    rng = np.random.default_rng(length)
+    shape = 30, 5, length
+    functions = Quadratics(rng.normal(size=shape[:2]), rng.normal(size=shape), rng.normal(size=shape) / 2)
+    low, high, spread = (rng.uniform(0, 0.5, (30, length)) for _ in range(3))
+    return functions, ClassStates(np.zeros_like(low), spread / 5, -low, high)
+
+
+@pytest.mark.parametrize("length", [3, 8, 11])
+def test_one_function_lies_below_all_and_is_the_one_that_a_full_search_finds(length: int) -> None:
+    """To 1e-12: means and variances along a line instead of sums over all weights."""
+    functions, states = some_functions(length)
+    found, expected = below_all(functions, states), slowly_below_all(functions, states)
+    for own, other in ((found.value, expected.value), (found.slope, expected.slope)):
+        np.testing.assert_allclose(own, other, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(found.curvature, expected.curvature, rtol=1e-9, atol=1e-9)
+    rng = np.random.default_rng(1)
+    for _ in range(200):
+        point = states.low + (states.high - states.low) * rng.random(states.low.shape)
+        assert (found.at(point)[:, None] <= functions.at(point[:, None]) + 1e-12).all()
+
+
+def test_what_lies_below_all_is_the_same_in_plain_python_in_every_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    functions, states = some_functions(3)
+    few, own = functions[:4], states[slice(0, 4)]
+    compiled = below_all(few, own)
+    monkeypatch.setattr(sub_solution, "fill_below", interpreted(sub_solution.fill_below))
+    plain = below_all(few, own)
+    for name in ("value", "slope", "curvature"):
+        assert np.array_equal(getattr(compiled, name), getattr(plain, name))
 
 
 def test_the_boxes_hold_every_state_of_their_class() -> None:

@@ -35,7 +35,7 @@ def test_plans_are_all_sequences_that_repeat_no_shorter_one() -> None:
 
 
 def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cyclic_plans, "_undominated", lambda values: values)
+    monkeypatch.setattr(cyclic_plans, "undominated", lambda values, *_: values)
     model = small_model(0.0)
     values = model.bound_arrays
     for index, plan in enumerate(all_plans(2)):
@@ -50,7 +50,7 @@ def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_leaving_out_dominated_plans_changes_no_value(monkeypatch: pytest.MonkeyPatch) -> None:
     few = small_model(0.0).bound_arrays
-    monkeypatch.setattr(cyclic_plans, "_undominated", lambda values: values)
+    monkeypatch.setattr(cyclic_plans, "undominated", lambda values, *_: values)
     every = small_model(0.0).bound_arrays
     assert few.constant.size < every.constant.size == len(all_plans(2))
     rng, width = np.random.default_rng(5), every.square.shape[2]

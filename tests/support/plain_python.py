@@ -11,6 +11,9 @@ from fatigue_planner.planners.pomcp import policy
 from fatigue_planner.planners.pomcp.kernels import search_kernel
 from fatigue_planner.pomdp import simd
 
+# The vector code and what it is made of: whether it stores the state, and sums squares.
+STEPS = {simd.move: (True, True), simd.sum_of_squares_after: (False, True), simd.quadratic: (False, False)}
+
 
 def interpreted(kernel: Any, **parts: Any) -> FunctionType:
     """A copy, run by Python, of a compiled function and all it calls; `parts` replace functions by name."""
@@ -19,8 +22,9 @@ def interpreted(kernel: Any, **parts: Any) -> FunctionType:
     for name in plain.__code__.co_names:
         if name in parts:
             names[name] = parts[name]
-        elif names.get(name) in (simd.move, simd.sum_of_squares_after):
-            names[name] = simd._interpreted(store=names[name] is simd.move)
+        elif any(names.get(name) is step for step in STEPS):
+            store, squares = next(kind for step, kind in STEPS.items() if step is names[name])
+            names[name] = simd._interpreted(store, squares)
         elif hasattr(names.get(name), "py_func"):
             names[name] = interpreted(names[name], **parts)
     return FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__)

@@ -73,7 +73,7 @@ class NioshLifting(Indicator):
             parts=multipliers(lift.origin, lift.travel, lift.coupling)
             | {"load_kg": lift.load, "lifts_per_minute": lift.per_minute, "horizontal_cm": lift.origin.horizontal}
             | {"height_cm": lift.origin.height, "travel_cm": lift.travel, "asymmetry_deg": lift.origin.asymmetry_deg},
-            remarks=self._remarks(lifting, unknown),
+            remarks=self._remarks(lifting),
         )
 
     def _refusal(self, job: Job, lifting: list[Operation]) -> Phrase | None:
@@ -104,12 +104,12 @@ class NioshLifting(Indicator):
             found.append(Unknown("coupling", "good", worse))
         if any(operation.stated.placed_carefully is None for operation in lifting):
             found.append(Unknown("placed_carefully", False, ((True, Phrase("if placed with care")),)))
-        if any(_end_height_m(operation) is None for operation in lifting):
+        if any(end_height_m(operation) is None for operation in lifting):
             farther = ((LONGEST_M, Phrase("if lifted by {most:g} m", {"most": LONGEST_M})),)
             found.append(Unknown("end_height_m", SHORTEST_M, farther))
         return found
 
-    def _remarks(self, lifting: list[Operation], unknown: list[Unknown]) -> tuple[Phrase, ...]:
+    def _remarks(self, lifting: list[Operation]) -> tuple[Phrase, ...]:
         found = [
             Phrase("Room, floor, climate and a load that stays together are taken to be as the equation asks."),
             Phrase("At strong forward bending the limit exceeds 3400 N at L5/S1 (Arjmand 2015): see the compression."),
@@ -124,16 +124,16 @@ class NioshLifting(Indicator):
 def lift_of(operation: Operation, job: Job, chosen: Mapping[str, Any]) -> Lift:
     """The lift that an operation is, in kg and cm: it begins where the hands are when the work begins."""
     stated = operation.stated
-    begin, end = _work(operation)
-    origin = _place(operation, begin)
-    end_height_m = _end_height_m(operation)
-    travel_m = chosen["end_height_m"] if end_height_m is None else abs(end_height_m - origin.height / 100)
+    begin, end = work_of(operation)
+    origin = place_of(operation, begin)
+    end_m = end_height_m(operation)
+    travel_m = chosen["end_height_m"] if end_m is None else abs(end_m - origin.height / 100)
     controlled = chosen["placed_carefully"] if stated.placed_carefully is None else stated.placed_carefully
     destination = None
     if controlled:
-        there = _place(operation, end)
+        there = place_of(operation, end)
         distance = there.horizontal if stated.end_distance_m is None else 100 * stated.end_distance_m
-        height = there.height if end_height_m is None else 100 * end_height_m
+        height = there.height if end_m is None else 100 * end_m
         destination = Place(distance, height, there.asymmetry_deg)
     coupling = chosen["coupling"] if stated.coupling is None else stated.coupling
     return Lift(
@@ -148,18 +148,18 @@ def lift_of(operation: Operation, job: Job, chosen: Mapping[str, Any]) -> Lift:
 
 def hand_speed_mps(operation: Operation) -> float:
     """The largest speed of the middle of both hands during the work."""
-    begin, end = _work(operation)
+    begin, end = work_of(operation)
     middle = operation.posture.hand_m[begin : end + 1].mean(axis=1)
     return float(np.linalg.norm(np.diff(middle, axis=0), axis=1).max(initial=0.0) / operation.posture.step_s)
 
 
-def _work(operation: Operation) -> tuple[int, int]:
+def work_of(operation: Operation) -> tuple[int, int]:
     """The first and last instant of the work."""
     work = operation.motion.phase("work")
     return math.ceil(work.start / operation.stride), (work.stop - 1) // operation.stride
 
 
-def _place(operation: Operation, instant: int) -> Place:
+def place_of(operation: Operation, instant: int) -> Place:
     """H and V in cm, A in degrees from straight ahead of the stance, which is not that of a twisted trunk."""
     seen = operation.posture
     middle = seen.hand_m[instant].mean(axis=0)
@@ -168,13 +168,13 @@ def _place(operation: Operation, instant: int) -> Place:
     return Place(100 * float(np.hypot(ahead, left)), 100 * float(middle[2]), angle)
 
 
-def _end_height_m(operation: Operation) -> float | None:
+def end_height_m(operation: Operation) -> float | None:
     """Where the load is set down: stated, else where a path of the hands ends; None if the hands hold one place."""
     if operation.stated.end_height_m is not None:
         return operation.stated.end_height_m
     if all(len(goal.path()) == 1 for goal in operation.request.action.goals().values()):
         return None
-    return float(operation.posture.hand_m[_work(operation)[1]].mean(axis=0)[2])
+    return float(operation.posture.hand_m[work_of(operation)[1]].mean(axis=0)[2])
 
 
 def _duration(shift: Shift) -> Duration | None:

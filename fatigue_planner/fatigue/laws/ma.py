@@ -54,7 +54,11 @@ class DoseProfile(CycleProfile):
         gain = np.exp(-k * self.dose_s.sum(axis=0) - R * self.rest_s)
         offset = np.zeros_like(gain)
         for dose, later_dose, later_rest in zip(self.dose_s, self.later_dose_s, self.later_rest_s, strict=True):
-            offset += -np.expm1(-k * dose) * np.exp(-k * later_dose - R * later_rest)
+            tires = dose > 0  # few entries do; the others get nothing
+            fast, slow = k[..., tires], R[..., tires]
+            offset[..., tires] += -np.expm1(-fast * dose[tires]) * np.exp(
+                -fast * later_dose[tires] - slow * later_rest[tires]
+            )
         return gain, offset
 
 

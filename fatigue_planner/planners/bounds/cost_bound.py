@@ -17,7 +17,7 @@ of every history, gives no more than J_0: the bound.
 
 V_t(m, .) is a separable quadratic. Whatever its slopes and curvatures are, its constant is set to the
 largest that keeps (1): the minimum over a box of separable quadratics has a closed form
-(`sub_solution.lowered`). For beta > 0 the P(u | f, a) that a box allows are replaced by all distributions
+(`sub_solution.fill_below`). For beta > 0 the P(u | f, a) that a box allows are replaced by all distributions
 between their least and greatest values (`reaction_range`), which can only lower the right side of (1). So
 the bound needs no solver and has no tolerance: slopes chosen badly make it lower, not wrong. Only rounding
 remains: sums of L terms of the size of the bound, at 2^-53 each, which over 100 cycles stay below 1e-12

@@ -6,15 +6,17 @@ from itertools import permutations
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.planners.bounds.quadratics import Quadratics, joined, zero
 from fatigue_planner.planners.bounds.task import ClassStates, HistoryClasses, Task
+from fatigue_planner.pomdp.simd import LANES, sum_in_lanes
 
 Array = NDArray[np.float64]
 
 # Differences of costs, which are of order 1e-3, are widened by this to allow for rounding.
 COST_ROUNDING = 1e-12
 # The weights of a mean move towards a function by these steps; the best is kept.
-STEPS = np.arange(1, 9) / 8
+STEPS = tuple(i / 8 for i in range(1, 9))
 # How many classes are computed at a time: few enough for the processor's cache.
 BLOCK = 512
 # A spread counts as at least this much, so that no curvature is so large that rounding matters.
@@ -74,48 +76,93 @@ def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Qu
 
 
 def below_all(functions: Quadratics, states: ClassStates) -> Quadratics:
-    """One function (M,) that in the box of its class lies below all of F functions (M, F).
+    """One function (M,) that in the box of its class lies below all of F functions (M, F); see `fill_below`."""
+    size, length = states.spread.shape
+    missing = (0, -length % LANES)
+    slope, curvature = (
+        np.pad(np.broadcast_to(table, (*functions.value.shape, length)), ((0, 0), (0, 0), missing))
+        for table in (functions.slope, functions.curvature)
+    )
+    low, high, spread = (np.pad(table, ((0, 0), missing)) for table in (states.low, states.high, states.spread))
+    best = np.empty(size), np.empty(low.shape), np.empty(low.shape)
+    fill_below(functions.value, slope, curvature, low, high, spread, *best)
+    return Quadratics(best[0], best[1][:, :length].copy(), best[2][:, :length].copy())
 
-    Slopes and curvatures are those of `bent_mean`. The weights start on the first function and move
-    towards each of the others as far as that raises the mean of the result over the typical spread.
+
+@compiled
+def fill_below(  # noqa: PLR0912 - loops over entries, which become vector code
+    value: Array,
+    slope: Array,
+    curvature: Array,
+    low: Array,
+    high: Array,
+    spread: Array,
+    best_value: Array,
+    best_slope: Array,
+    best_curvature: Array,
+) -> None:
+    """Fill in one function (M,) that lies below all of F functions (M, F) of L entries in the box low ... high (M, L).
+
+    Its shape is a weighted mean of the functions, every entry bent down by kappa = (weighted standard deviation of the
+    functions' slopes) / (2 spread). That minimises what is lost: by the slopes that differ, deviation^2 / (4 kappa),
+    and by the bending, kappa spread^2. It is moved up or down until it lies below all functions.
+
+    The weights start on the first function and move towards each of the others as far as that raises the mean of the
+    result over the typical spread. Whatever does not is noticed at the first function that is too low for it, mostly
+    the one that was the lowest before.
     """
-
-    def candidate(weights: Array) -> Quadratics:
-        return lowered(bent_mean(functions, weights, states.spread), functions, states)
-
-    weights = np.zeros_like(functions.value)
-    weights[:, 0] = 1
-    merit = _typical_mean(candidate(weights), states)
-    for towards in np.eye(weights.shape[1])[1:]:
-        origin = weights
-        for step in STEPS:
-            moved = (1 - step) * origin + step * towards
-            moved_merit = _typical_mean(candidate(moved), states)
-            weights = np.where((moved_merit > merit)[:, None], moved, weights)
-            merit = np.maximum(moved_merit, merit)
-    return candidate(weights)
-
-
-def bent_mean(functions: Quadratics, weights: Array, spread: Array) -> Quadratics:
-    """The mean (M,) of the functions (M, F) with these weights (M, F), every entry bent down by kappa.
-
-    kappa = (weighted standard deviation of the functions' slopes) / (2 spread) minimises what is lost: by the
-    slopes that differ, deviation^2 / (4 kappa), and by the bending, kappa spread^2.
-    """
-    mean = functions.mean(weights)
-    deviation = np.sqrt(np.einsum("mf,mfl->ml", weights, np.square(functions.slope - mean.slope[:, None])))
-    return Quadratics(mean.value, mean.slope, mean.curvature - deviation / (2 * np.maximum(spread, MIN_SPREAD)))
-
-
-def lowered(shape: Quadratics, functions: Quadratics, states: ClassStates) -> Quadratics:
-    """The functions `shape` (M,), moved up or down until they lie below all `functions` (M, F) in their box."""
-    excess = (functions - shape[:, None]).minimum(states.low[:, None], states.high[:, None]).min(axis=-1)
-    return Quadratics(shape.value + excess, shape.slope, shape.curvature)
-
-
-def _typical_mean(function: Quadratics, states: ClassStates) -> Array:
-    """Mean (M,) over states of the class's typical mean and spread."""
-    return np.asarray(function.value + (function.curvature * np.square(states.spread)).sum(axis=-1))
+    count, width = slope.shape[1:]
+    terms, lanes, variance, moved_variance, best_variance = (
+        np.empty(width), np.empty(LANES), np.empty(width), np.empty(width), np.empty(width),
+    )  # fmt: skip
+    mean_slope, mean_curvature, moved_slope, moved_curvature, bent = (
+        np.empty(width), np.empty(width), np.empty(width), np.empty(width), np.empty(width),
+    )  # fmt: skip
+    chosen_slope, chosen_curvature = np.empty(width), np.empty(width)
+    for m in range(value.shape[0]):
+        lowest, merit, chosen_value = 0, -np.inf, value[m, 0]
+        for j in range(width):
+            chosen_slope[j], chosen_curvature[j], best_variance[j] = slope[m, 0, j], curvature[m, 0, j], 0.0
+        for towards in range(count):
+            mean_value = chosen_value
+            for j in range(width):
+                mean_slope[j], mean_curvature[j], variance[j] = chosen_slope[j], chosen_curvature[j], best_variance[j]
+            for step in STEPS:
+                moved_value = (1 - step) * mean_value + step * value[m, towards]
+                for j in range(width):
+                    apart = mean_slope[j] - slope[m, towards, j]
+                    moved_slope[j] = mean_slope[j] - step * apart
+                    moved_variance[j] = (1 - step) * (variance[j] + step * apart * apart)
+                for j in range(width):
+                    moved_curvature[j] = (1 - step) * mean_curvature[j] + step * curvature[m, towards, j]
+                    bent[j] = moved_curvature[j] - np.sqrt(moved_variance[j]) / (2 * max(spread[m, j], MIN_SPREAD))
+                for j in range(width):
+                    terms[j] = bent[j] * spread[m, j] * spread[m, j]
+                typical = sum_in_lanes(terms, lanes)
+                excess = np.inf
+                first = lowest
+                for turn in range(count + 1):  # the one that was the lowest first
+                    f = first if turn == 0 else turn - 1
+                    if turn > 0 and f == first:
+                        continue
+                    for j in range(width):
+                        a, b = curvature[m, f, j] - bent[j], slope[m, f, j] - moved_slope[j]
+                        inside = min(max(-0.5 * b / (a if a > 0 else 1.0), low[m, j]), high[m, j])
+                        end = low[m, j] if b + a * (low[m, j] + high[m, j]) > 0 else high[m, j]
+                        d = inside if a > 0 else end
+                        terms[j] = (b + a * d) * d
+                    least = value[m, f] - moved_value + sum_in_lanes(terms, lanes)
+                    if least < excess:
+                        excess, lowest = least, f
+                        if moved_value + excess + typical <= merit:
+                            break
+                if moved_value + excess + typical > merit:
+                    merit, chosen_value = moved_value + excess + typical, moved_value
+                    best_value[m] = moved_value + excess
+                    for j in range(width):
+                        best_slope[m, j], best_curvature[m, j] = moved_slope[j], bent[j]
+                        chosen_slope[j], chosen_curvature[j] = moved_slope[j], moved_curvature[j]
+                        best_variance[j] = moved_variance[j]
 
 
 def reaction_extremes(task: Task, states: ClassStates) -> Array:

@@ -9,7 +9,8 @@ from typing import Any, Literal, NamedTuple
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.jit import inlined, kernel, specialised
-from fatigue_planner.planners.expectimax import always_may, best_return, expected_now, may, observe
+from fatigue_planner.planners.expectimax import always_may, best_return, expected_now, last_cycle, may, observe
+from fatigue_planner.planners.plan_leaves import last_cycles_and_plans
 from fatigue_planner.planners.pomcp.backups import (
     back_up_exact,
     back_up_max,
@@ -27,6 +28,7 @@ from fatigue_planner.planners.pomcp.rollouts import (
 )
 from fatigue_planner.planners.pomcp.search import grow
 from fatigue_planner.planners.pomcp.ucb import note_nothing, note_spread, select_fixed, select_scaled
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.parts import legal_always, terminal_never
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -152,14 +154,27 @@ def lookahead_kernel(model: Pomdp, leaf_value: LeafValueName) -> Any:
         "OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome,
         "N_OBSERVATIONS": len(model.observations),
     }
-    return specialised(
-        best_return,
-        kernel,
-        **parts,
-        **constants,
-        LEAVES=leaf_value != "none",
-        may=specialised(may, inlined, **rules(model)) if model.dynamics.is_legal else always_may,
-        expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
-        observe=specialised(observe, inlined, **parts, OBSERVATION_REVEALS_OUTCOME=model.observation_reveals_outcome),
-        leaf_value=LEAF_VALUES[leaf_value](model),
-    )
+    reveals = {"OBSERVATION_REVEALS_OUTCOME": model.observation_reveals_outcome}
+    shared = {
+        "observe": specialised(observe, inlined, **parts, **reveals),
+        "may": specialised(may, inlined, **rules(model)) if model.dynamics.is_legal else always_may,
+    }
+    if values_whole_beliefs(model, leaf_value):
+        end: Any = last_cycles_and_plans
+    else:
+        end = specialised(
+            last_cycle,
+            inlined,
+            **parts,
+            **constants,
+            LEAVES=leaf_value != "none",
+            expected_now=specialised(expected_now, inlined, expected_reward=parts["expected_reward"]),
+            **shared,
+            leaf_value=LEAF_VALUES[leaf_value](model),
+        )
+    return specialised(best_return, kernel, **parts, **constants, **shared, last_cycles=end)
+
+
+def values_whole_beliefs(model: Pomdp, leaf_value: LeafValueName) -> bool:
+    """Whether the leaves of a lookahead are beliefs with one cyclic plan each (`plan_leaves`), and not states."""
+    return leaf_value == "bound" and isinstance(model, FatiguePomdp)

@@ -37,7 +37,8 @@ def can_be_compiled(scenario: Scenario, settings: PolicySettings) -> bool:
     if _has(policy, "ahead"):
         return True
     known = scenario.prior is None and scenario.model.observation_reveals_outcome
-    return known and _has(policy, "rule") and policy.rule() is not None
+    rule = policy.rule() if known and _has(policy, "rule") else None
+    return rule is not None and len(scenario.weights) <= rule.most_states
 
 
 def _has(policy: Policy, hook: str) -> bool:

@@ -130,7 +130,7 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     if there[BOUNDS_FILE]:
         bounds = read_bounds(folder, command)
         known = [name for name, condition in experiment.benchmark.conditions.items() if condition.hidden_worker is None]
-        cells = trials.loc[trials["condition"].isin(known), CELL].drop_duplicates()
+        cells = comparison.loc[comparison["condition"].isin(known), CELL]
         _check_rows(bounds, cells, folder / BOUNDS_FILE, command, CELL)
     optional = [file for file in there if there[file]]
     for file in (TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, *optional):
