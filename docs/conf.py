@@ -8,6 +8,8 @@ from pydantic import BaseModel
 from sphinx.application import Sphinx
 
 from fatigue_planner import __version__
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.station.schema import Station
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -43,7 +45,9 @@ def _generate(_app: Sphinx) -> None:
     folder.mkdir(exist_ok=True)
     (folder / "layers.svg").write_text(layers.picture(), encoding="utf-8")
     (folder / "commands.md").write_text(references.commands(), encoding="utf-8")
-    (folder / "experiment-keys.md").write_text(references.experiment_keys(), encoding="utf-8")
+    for kind in (Experiment, Station):
+        path = folder / f"{kind.__name__.lower()}-keys.md"
+        path.write_text(references.keys_of(kind), encoding="utf-8")
 
 
 FIELD = re.compile(r"([a-z]\w*(?:, [a-z]\w*)*)((?: \([^)]*\))?: .*)")

@@ -6,7 +6,7 @@ import typer
 from typer.cli import get_docs_for_click
 
 from fatigue_planner.cli.main import app
-from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.core.settings import Settings
 
 Schema = dict[str, Any]
 
@@ -22,11 +22,11 @@ def commands() -> str:
     return "\n".join(sections)
 
 
-def experiment_keys() -> str:
-    """One section per kind of settings with its keys, from the top of an experiment file down."""
-    root = Experiment.model_json_schema()
-    definitions = root.get("$defs", {}) | {"Experiment": root}
-    order, sections = ["Experiment"], []
+def keys_of(kind: type[Settings]) -> str:
+    """One section per kind of settings with its keys, from the top of a file down."""
+    root = kind.model_json_schema()
+    definitions = root.get("$defs", {}) | {kind.__name__: root}
+    order, sections = [kind.__name__], []
     for name in order:  # grows while it is gone through
         section, named = _settings(name, definitions[name])
         order += [other for other in named if other not in order]

@@ -96,14 +96,16 @@ class Rule(NamedTuple):
 class Judged:
     """A motion that may be used, judged alone, as if the rest of the cycle were rest.
 
-    level        the worst level that is certain of all indicators that apply
-    by           the indicators that give this level, where it is above acceptable
+    level        the worst level that is certain by a binding indicator
+    by           the binding indicators that give this level, where it is above acceptable
+    warned_by    the other indicators that find it not acceptable
     judgements   all indicators, by kind
     """
 
     doing: Doing
     level: Level
     by: tuple[Rule, ...]
+    warned_by: tuple[Rule, ...]
     fatigue: Fatigue
     judgements: Mapping[str, Judgement]
 
@@ -129,7 +131,8 @@ class PlaceSummary:
 
     reached_by   workers who reach it in some way that may be used; missed_by: the others
     level        the worst level of those who reach it; None if nobody does
-    by           the indicators that say so, each with the seconds of the worker for whom they are most
+    by           the binding indicators that say so, each with the seconds of the worker for whom they are most
+    warned_by    the other indicators that find it not acceptable for one of those who reach it
     peak, entry  the highest fatigue of those who reach it; cost: their mean cost of fatigue
     """
 
@@ -139,6 +142,7 @@ class PlaceSummary:
     missed_by: tuple[str, ...]
     level: Level | None
     by: tuple[Rule, ...]
+    warned_by: tuple[Rule, ...]
     peak: float | None
     entry: str
     cost: float | None
@@ -153,6 +157,7 @@ class BestPlaces:
     peak         the highest fatigue of any worker with it
     next_places  the second best combination, and what its cost of fatigue is above that of the best, as a share of it
     excluded     by operation and place: why it is none of them
+    together     why places that are allowed one by one are not in one cycle; None if they are
     """
 
     places: Mapping[str, str]
@@ -161,6 +166,7 @@ class BestPlaces:
     next_places: Mapping[str, str]
     next_above: float | None
     excluded: Mapping[tuple[str, str], Phrase]
+    together: Phrase | None = None
 
 
 @dataclass(frozen=True)

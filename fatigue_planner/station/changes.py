@@ -50,8 +50,9 @@ def _change(phrase: Phrase, before: Examined, after: Examined) -> Change:
 
 
 def _lighter(station: Station) -> Iterator[tuple[Phrase, Station]]:
+    used = [station.tool_at(name, place) for name, each in station.operations.items() for place in each.places]
     for name, tool in station.tools.items():
-        if tool.mass_kg - LIGHTER_KG >= LEAST_KG:
+        if name in used and tool.mass_kg - LIGHTER_KG >= LEAST_KG:
             lighter = tool.model_copy(update={"mass_kg": round(tool.mass_kg - LIGHTER_KG, 4)})
             changed = station.model_copy(update={"tools": {**station.tools, name: lighter}})
             yield Phrase(LIGHTER, {"tool": name}), changed

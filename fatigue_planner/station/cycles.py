@@ -33,9 +33,9 @@ class Stretch:
 
     @classmethod
     def rest(cls, motion: Motion, seconds: float) -> Self:
-        """Standing in the stance in which a motion begins."""
+        """Rest in which no joint is loaded, whoever stands or sits: in the stance in which a motion begins."""
         first = np.zeros(round(seconds / motion.time_step_s), dtype=np.intp)
-        return cls(motion.time_step_s, motion.torque_nm[first], motion.configuration[first])
+        return cls(motion.time_step_s, 0 * motion.torque_nm[first], motion.configuration[first])
 
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
@@ -63,11 +63,8 @@ class Course:
         return cls(*(cycle_profile(part, parameters).cycle_map() for part in parts))
 
     def rest(self, seconds: float) -> CycleMap:
-        """The map of a rest in the stance: in n seconds, f - f* falls by the gain of a second to the power of n."""
-        gain, offset = self.rest_per_s.gain, self.rest_per_s.offset
-        settled = np.divide(offset, 1 - gain, out=np.zeros_like(gain), where=gain < 1)
-        left = gain**seconds
-        return CycleMap(left, np.where(gain < 1, settled * (1 - left), offset * seconds))
+        """The map of a rest: in n seconds, fatigue falls by the gain of a second to the power of n."""
+        return CycleMap(self.rest_per_s.gain**seconds, 0 * self.rest_per_s.offset)
 
 
 def settled(courses: Sequence[Course], rest_s: float) -> Matrix:

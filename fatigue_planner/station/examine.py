@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from fatigue_planner.core.executors.executor import Executor
+from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assessment import BestPlaces, Doing, Judged, Outcome, PlaceForWorker, PlaceSummary
@@ -11,6 +12,10 @@ from fatigue_planner.station.judging import Case, Verdict, judge
 from fatigue_planner.station.outcomes import Task, simulate_all, tasks_of
 from fatigue_planner.station.recommendation import Considered, best_of, excluded, places_for_workers, ranked, summaries
 from fatigue_planner.station.schema import Station
+
+# How many combinations of places are judged as whole cycles, those that tire least.
+LOOKED_AT = 20
+FORBIDDEN_TOGETHER = "The operations together are not acceptable for {worker} by {rules}, wherever they are done"
 
 
 @dataclass(frozen=True)
@@ -82,8 +87,7 @@ def _examined(
     courses = {doing: verdicts[doing].courses[0] for doing in alone}
     places = places_for_workers(station, outcomes, alone)
     out = excluded(station, places, alone)
-    ranking = ranked(station, places, out, courses)
-    return Examined(
+    found = Examined(
         station,
         {task.doing: task for task in tasks},
         outcomes,
@@ -91,10 +95,33 @@ def _examined(
         alone,
         places,
         summaries(station, places, alone),
-        ranking,
-        best_of(station, ranking, out),
+        ranked(station, places, out, courses),
+        best_of(station, (), out, None),
     )
+    ranking, together = _allowed_together(found, cache, command)
+    return replace(found, ranking=ranking, best=best_of(station, ranking, out, together))
+
+
+def _allowed_together(found: Examined, cache: ReactionCache, command: str) -> tuple[list[Considered], Phrase | None]:
+    """Of the combinations that tire least, those whose whole cycle no rule forbids to any worker; if none, the rules.
+
+    A rule may forbid a cycle whose operations it allows one by one: it adds up how often a posture is taken.
+    """
+    if len(found.station.operations) == 1:
+        return list(found.ranking), None
+    allowed, forbidden = [], None
+    for each in found.ranking[:LOOKED_AT]:
+        places = dict(zip(found.station.operations, each.places, strict=True))
+        for worker in found.station.workers:
+            verdict = judge(found.case(found.doings(worker, places), cache, command))
+            if verdict.level == Level.NOT_ACCEPTABLE:
+                rules = ", ".join(rule.title for rule in verdict.by)
+                forbidden = forbidden or Phrase(FORBIDDEN_TOGETHER, {"worker": worker, "rules": rules})
+                break
+        else:
+            allowed.append(each)
+    return allowed, None if allowed else forbidden
 
 
 def _judged(outcome: Outcome, verdict: Verdict) -> Judged:
-    return Judged(outcome.doing, verdict.level, verdict.by, verdict.fatigue, verdict.judgements)
+    return Judged(outcome.doing, verdict.level, verdict.by, verdict.warned_by, verdict.fatigue, verdict.judgements)

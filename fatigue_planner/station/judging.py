@@ -59,26 +59,38 @@ class Case:
 
 
 class Verdict(NamedTuple):
-    """What was found of a case: its courses (one for each task), fatigue, indicators by kind, limits that it breaks."""
+    """What was found of a case: its courses (one for each task), fatigue, indicators by kind, limits that it breaks;
+    binding: the kinds of indicators that exclude.
+    """
 
     courses: tuple[Course, ...]
     fatigue: Fatigue
     judgements: Mapping[str, Judgement]
     breaches: tuple[Breach, ...]
+    binding: tuple[str, ...]
 
     @property
     def level(self) -> Level:
-        """The worst level that is certain."""
-        return max((level_of(each) for each in self.judgements.values()), default=Level.ACCEPTABLE)
+        """The worst level that is certain by a binding indicator."""
+        levels = (level_of(each) for kind, each in self.judgements.items() if kind in self.binding)
+        return max(levels, default=Level.ACCEPTABLE)
 
     @property
     def by(self) -> tuple[Rule, ...]:
-        """The indicators that give this level, where it is above acceptable."""
+        """The binding indicators that give this level, where it is above acceptable."""
         worst = self.level
+        return self._rules(worst, binding=True) if worst > Level.ACCEPTABLE else ()
+
+    @property
+    def warned_by(self) -> tuple[Rule, ...]:
+        """The other indicators that find it not acceptable."""
+        return self._rules(Level.NOT_ACCEPTABLE, binding=False)
+
+    def _rules(self, level: Level, binding: bool) -> tuple[Rule, ...]:
         return tuple(
-            Rule(kind, each.title, worst, each.times.not_acceptable_s if each.times else None, _part(each))
+            Rule(kind, each.title, level, each.times.not_acceptable_s if each.times else None, _part(each))
             for kind, each in self.judgements.items()
-            if worst > Level.ACCEPTABLE and level_of(each) == worst
+            if (kind in self.binding) == binding and level_of(each) == level
         )
 
 
@@ -110,7 +122,7 @@ def judge(case: Case) -> Verdict:
         for task, reaction, often in zip(case.tasks, reactions, times, strict=True)
         for breach in breaches(station.limits, task.request.motion.worker.anthropometry(), reaction.motion, often)
     ]
-    return Verdict(courses, fatigue, found, tuple(broken))
+    return Verdict(courses, fatigue, found, tuple(broken), station.binding)
 
 
 def profile(case: Case) -> CycleProfile:

@@ -13,6 +13,7 @@ from fatigue_planner.experiment.target_checks import ROOM_M, ROOTED, Standing, s
 from fatigue_planner.human.model import build_human
 from fatigue_planner.motion.causes import TRIALS
 from fatigue_planner.motion.plausibility import Finding
+from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
@@ -21,6 +22,8 @@ from fatigue_planner.station.assessment import Doing, Kind, Outcome
 from fatigue_planner.station.experiments import Part, parts_of
 from fatigue_planner.station.schema import Station
 
+# What of a motion is not smooth says nothing of whether a person could work so.
+SMOOTHNESS = ("torque_step_nm", "end_pose_deg", "end_speed_degps", "stance_load_share")
 # A joint that is at its limit while a motion breaks off, as its message names it.
 _AT_MAXIMUM = re.compile(r"; (\w+) at its maximum torque")
 
@@ -89,10 +92,15 @@ def classified(task: Task, simulated: Simulated) -> Outcome:
     return outcome
 
 
+def odd_postures(quality: Quality) -> list[Finding]:
+    """What a motion shows of postures that no person has at work."""
+    return [finding for finding in quality.plausibility.findings() if finding.measure not in SMOOTHNESS]
+
+
 def _kind(task: Task, simulated: Simulated) -> Kind:
     quality = simulated.quality
     if simulated.verdict != "failed":
-        return "implausible" if simulated.verdict == "implausible" else "reached"
+        return "implausible" if quality is not None and odd_postures(quality) else "reached"
     accuracy = task.request.accuracy
     on_place = quality is not None and quality.work_hand_error_m <= accuracy.hand_error_m
     if on_place:

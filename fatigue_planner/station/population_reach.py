@@ -23,6 +23,7 @@ from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
 from fatigue_planner.station.assessment import ReachShare
 from fatigue_planner.station.experiments import SIDES, Part, experiment_of
+from fatigue_planner.station.outcomes import odd_postures
 from fatigue_planner.station.schema import Station
 
 SEXES: tuple[Sex, ...] = ("female", "male")
@@ -33,8 +34,6 @@ LOWEST, HIGHEST = 1.0, 99.0
 PRECISION_M, REACH_SD_M = 0.005, 0.03
 # A place is reached if the hand can be held there for so long.
 HOLD_S = 0.5
-# What is implausible of a motion and says nothing of whether a person of another size would get there.
-NOT_OF_REACH = ("torque_step_nm", "pushing_s", "end_pose_deg", "end_speed_degps", "stance_load_share")
 # What a worker of the simulation can be.
 STATURES_M = (1.4, 2.1)
 
@@ -148,8 +147,7 @@ def _tried(request: MotionRequest, accuracy: Accuracy) -> Motion | None:
     except FailedMotionError:
         return None
     quality = measure(request, motion)
-    odd = [finding for finding in quality.plausibility.findings() if finding.measure not in NOT_OF_REACH]
-    return None if odd or quality.verdict(accuracy) == "failed" else motion
+    return None if odd_postures(quality) or quality.verdict(accuracy) == "failed" else motion
 
 
 def strong_share(motion: Motion, worker: Worker) -> tuple[float, str]:

@@ -74,6 +74,7 @@ def summaries(station: Station, places: Sequence[PlaceForWorker], judged: Mappin
                     tuple(each.worker for each in here if each.way is None),
                     level,
                     _most([rule for each in worst for rule in each.by]),
+                    _most([rule for each in reached for rule in each.warned_by]),
                     tired.fatigue.peak if tired else None,
                     tired.fatigue.entry if tired else "",
                     float(np.mean([each.fatigue.cost for each in reached])) if reached else None,
@@ -104,10 +105,10 @@ def ranked(
     return sorted(found, key=lambda each: each.cost)
 
 
-def best_of(station: Station, ranking: Sequence[Considered], excluded: Excluded) -> BestPlaces:
+def best_of(station: Station, ranking: Sequence[Considered], excluded: Excluded, together: Phrase | None) -> BestPlaces:
     """What is recommended: the first of the ranking, beside the second."""
     if not ranking:
-        return BestPlaces({}, None, None, {}, None, excluded)
+        return BestPlaces({}, None, None, {}, None, excluded, together)
     names, best, following = list(station.operations), ranking[0], ranking[1] if len(ranking) > 1 else None
     return BestPlaces(
         dict(zip(names, best.places, strict=True)),

@@ -8,6 +8,8 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from fatigue_planner.core.errors import listed, shortened
 from fatigue_planner.core.settings import Name, Settings
+from fatigue_planner.ergonomics.indicator import INDICATORS
+from fatigue_planner.ergonomics.registry import KINDS
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.population import Population
@@ -15,6 +17,11 @@ from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Orientation, Position
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.station.limits import Limit
+
+# Estimates from strengths alone that find most work with a raised arm too much; no standard sets their limits.
+ONLY_WARN = ("acceptable_effort", "holding_time")
+_SHIPPED: list[str] = [kind.model_fields["kind"].default for kind in KINDS]
+BINDING = tuple(kind for kind in _SHIPPED if kind not in ONLY_WARN)
 
 Way = Literal["arm", "back", "squat"]
 WAYS: tuple[Way, ...] = ("arm", "back", "squat")
@@ -208,6 +215,12 @@ class Station(Settings):
         "its distance and height; fixed: the feet point along x, and who has to reach aside twists.",
     )
     shoes_m: float = Field(default=0.025, ge=0, le=0.1, description="Thickness in m of the soles of the shoes.")
+    binding: tuple[str, ...] = Field(
+        default=BINDING,
+        max_length=100,
+        description="Indicators that exclude a place where they find it not acceptable; the others only warn. Default: "
+        "all but acceptable_effort and holding_time, whose limits no standard sets.",
+    )
     limits: tuple[Limit, ...] = Field(
         default=(), max_length=20, description="What no worker may be asked for; it excludes places and ways."
     )
@@ -222,7 +235,13 @@ class Station(Settings):
 
     @model_validator(mode="after")
     def _check_across(self) -> Self:
-        if faults := [*self._name_faults(), *self._population_faults(), *self._time_faults(), *self._size_faults()]:
+        if faults := [
+            *self._name_faults(),
+            *self._binding_faults(),
+            *self._population_faults(),
+            *self._time_faults(),
+            *self._size_faults(),
+        ]:
             raise ValueError("\n".join(faults))
         return self
 
@@ -237,6 +256,10 @@ class Station(Settings):
             yield from self._tool_faults(f"{key}.tool", operation.tool)
         for name, at in self.places.items():
             yield from self._tool_faults(f"places.{name}.tool", at.tool)
+
+    def _binding_faults(self) -> Iterator[str]:
+        if unknown := [kind for kind in self.binding if kind not in INDICATORS.kinds()]:
+            yield f"binding: {listed(unknown)}: not among the indicators {listed(INDICATORS.kinds())}"
 
     def _tool_faults(self, key: str, tool: str | None) -> Iterator[str]:
         if tool is not None and tool not in self.tools:

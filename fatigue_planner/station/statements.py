@@ -6,10 +6,12 @@ from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.station.assessment import (
     BestPlaces,
+    Change,
     Outcome,
     PlaceForWorker,
     PlaceSummary,
     ReachShare,
+    Rotation,
     Rule,
     WholeCycle,
 )
@@ -30,12 +32,14 @@ BEST_BY = (
     "A joint loses at most {peak:.0%} of its strength there; the next best, {others}, costs {more:.0%} more fatigue"
 )
 BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
+WARNED = "{operation} at {place}: not acceptable by {rules}, which only warns (binding)"
 NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
 COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
 WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
 NO_JOINT = "No joint tires"
 SHORTFALL = "{worker} cannot go on for ever: in cycle {cycle} {joint} cannot give what is asked"
 REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to {high:.0%} with 3 cm less or more)"
+REACH_NEARLY_ALL = "{place} is reached by nearly all of the {sex} population"
 STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
 # What has to be known.
 ASSUMED_POPULATION = "Percentiles are of ANSUR II, soldiers of the US Army in 2012; give population for your own people"
@@ -45,14 +49,26 @@ ASSUMED_REACH = "People of one stature differ in reach by 3 cm (one standard dev
 ASSUMED_SHOES = "Shoes raise the worker by {shoes_cm:.1f} cm"
 ASSUMED_FEET = "The worker turns the feet to every place, so that it is straight ahead (feet: free)"
 FIXED_FEET = "The feet point along x: who has to reach aside twists (feet: fixed)"
-ASSUMED_REST = "Each operation has {reach_s:g} s there and {return_s:g} s back; the rest of the {cycle_s:g} s is rest"
+ASSUMED_REST = (
+    "Each operation has {reach_s:g} s there and {return_s:g} s back; the rest of the {cycle_s:g} s loads no joint"
+)
 ASSUMED_LAW = (
     "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
 )
 ASSUMED_TOOL = "A tool is a point mass in the fist; vibration and its centre of mass are not simulated"
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
+# What single changes do, and another place in every cycle.
+CHANGED = "{change}: {allowed} of {of_places} places allowed"
+CHANGED_BEST = (
+    "{change}: {allowed} of {of_places} places allowed; a joint loses at most {peak:.0%} of its strength at the best"
+)
+ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
+NO_ROTATION = "Another place in every cycle saves nothing"
+
 Phrases = Iterator[Phrase]
+# Of a population, also with shorter arms.
+NEARLY_ALL = 0.99
 Values = dict[str, str | float]
 
 
@@ -108,6 +124,8 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         for operation in station.operations:
             if all((operation, place) in best.excluded for place in station.operations[operation].places):
                 yield Phrase(NONE_ALLOWED, {"operation": operation})
+        if best.together is not None:
+            yield best.together
         yield from _compared(summaries, {})
         return
     for operation, place in best.places.items():
@@ -118,6 +136,10 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         yield Phrase(BEST_BY, {"peak": best.peak, "others": others, "more": best.next_above})
     else:
         yield Phrase(BEST_ONLY, {"peak": best.peak})
+    for each in summaries:
+        if each.place == best.places[each.operation] and each.warned_by:
+            values: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.warned_by)}
+            yield Phrase(WARNED, values)
     yield from _compared(summaries, best.places)
 
 
@@ -142,13 +164,40 @@ def _tired(cycles: Sequence[WholeCycle]) -> Phrases:
 def of_population(shares: Sequence[ReachShare]) -> Phrases:
     """Who of the population reaches the places, and is strong enough."""
     for each in shares:
-        yield Phrase(
-            REACH,
-            {"place": each.place, "sex": each.sex, "share": each.share, "low": each.share_low, "high": each.share_high},
-        )
+        if each.share_low >= NEARLY_ALL:
+            yield Phrase(REACH_NEARLY_ALL, {"place": each.place, "sex": each.sex})
+        else:
+            yield Phrase(
+                REACH,
+                {
+                    "place": each.place,
+                    "sex": each.sex,
+                    "share": each.share,
+                    "low": each.share_low,
+                    "high": each.share_high,
+                },
+            )
         if each.strong_share is not None:
             joint = joint_name(each.weakest_joint)
             yield Phrase(STRONG, {"share": each.strong_share, "sex": each.sex, "place": each.place, "joint": joint})
+
+
+def of_changes(changes: Sequence[Change]) -> Phrases:
+    """What single changes of the station would do."""
+    for each in changes:
+        values: Values = {"change": str(each.change), "allowed": each.allowed, "of_places": each.of_places}
+        yield Phrase(CHANGED, values) if each.peak is None else Phrase(CHANGED_BEST, values | {"peak": each.peak})
+
+
+def of_rotation(rotation: Rotation | None) -> Phrases:
+    """What another place in every cycle does, where there is a choice."""
+    if rotation is None:
+        return
+    if rotation.saving <= 0 or len(rotation.sequence) < 2:
+        yield Phrase(NO_ROTATION)
+    else:
+        sequence = " - ".join("+".join(places.values()) for places in rotation.sequence)
+        yield Phrase(ROTATION, {"sequence": sequence, "saving": rotation.saving})
 
 
 def assumptions_of(station: Station) -> tuple[Phrase, ...]:

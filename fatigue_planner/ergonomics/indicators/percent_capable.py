@@ -1,8 +1,10 @@
 """How many people of the worker's sex are strong enough at every joint (as 3DSSPP asks it)."""
 
+from functools import cache
 from typing import ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
 from fatigue_planner.ergonomics.capability import CapableShare, capable_percent
@@ -11,6 +13,8 @@ from fatigue_planner.ergonomics.result import Assessment, Moment, Origin, Phrase
 from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES, without_side
+
+Vector = NDArray[np.float64]
 
 # Coefficients of variation in the positive and the negative direction. Hip, knee and ankle: Anderson, Madigan &
 # Nussbaum 2007, ages 18 to 25; shoulder and elbow: the arm's, La Delfa & Potvin 2017.
@@ -42,7 +46,7 @@ class PercentCapable(CapableShare):
         least, worst, joint = 101.0, None, ""
         for operation in job.operations:
             sex = operation.request.worker.sex
-            positive, negative = maximum_torque(MEAN[sex]).vectors()
+            positive, negative = mean_strength(sex)
             torque = operation.motion.torque_nm[:: operation.stride]
             up, down = np.array([variation(name, sex) for name in DEGREES_OF_FREEDOM]).T
             share = capable_percent(
@@ -68,6 +72,12 @@ class PercentCapable(CapableShare):
             worst=worst,
             remarks=tuple(remarks),
         )
+
+
+@cache
+def mean_strength(sex: Sex) -> tuple[Vector, Vector]:
+    """The mean strengths of a sex in the positive and the negative direction, each (39,) N.m."""
+    return maximum_torque(MEAN[sex]).vectors()
 
 
 def variation(freedom: str, sex: Sex) -> tuple[float, float]:

@@ -181,11 +181,7 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
         header = ["Change", "Recommended after it", "Fatigue saved", "Highest fatigue after it",
                   "Places reached by all", "Places allowed"]  # fmt: skip
         yield table(wording, "What one change alone would do, each computed.", header, rows)
-    if assessment.rotation:
-        rotation = assessment.rotation
-        steps = " → ".join(", ".join(map(wording.name, each.values())) for each in rotation.sequence)
-        text = "Another place in every cycle: {steps}, then from the beginning. It saves {saving:.0%} of the fatigue."
-        yield Text(wording.say(text, steps=steps, saving=rotation.saving))
+    yield from (Text(wording.sentence(each)) for each in statements.of_rotation(assessment.rotation))
 
 
 def _pictures(assessment: StationAssessment, postures: dict[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:

@@ -8,7 +8,7 @@ from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Group
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.station import statements
-from fatigue_planner.station.assessment import Doing, Judged, PlaceSummary, StationAssessment
+from fatigue_planner.station.assessment import Change, Doing, Judged, PlaceSummary, StationAssessment
 
 CANNOT = (
     statements.MISSED, statements.MISSED_FAR, statements.TOO_WEAK, statements.IMPLAUSIBLE, statements.BROKEN,
@@ -134,17 +134,19 @@ def _cycles_not_acceptable(assessment: StationAssessment, wording: Wording) -> I
 
 
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """The changes that help most: more places allowed, or less fatigue."""
-    allowed = sum(each.level is not None for each in assessment.summaries) - len(assessment.best.excluded)
-    helping = [each for each in assessment.changes if (each.saving or 0) > 0 or each.allowed > max(allowed, 0)]
-    for each in helping[:MOST_CHANGES]:
-        if each.saving is not None and each.saving > 0:
-            text = "{change} would save {saving:.0%} of the fatigue."
-            yield wording.say(text, change=wording.sentence(each.change)[:-1], saving=each.saving)
-        else:
-            text = "{change}: {allowed} of {of_places} places would be allowed."
-            change = wording.sentence(each.change)[:-1]
-            yield wording.say(text, change=change, allowed=each.allowed, of_places=each.of_places)
+    """The changes that help most, more places allowed or less fatigue; and what another place in every cycle does."""
+    allowed = sum(len(each.places) for each in assessment.station.operations.values()) - len(assessment.best.excluded)
+    helping = [each for each in assessment.changes if (each.saving or 0) > 0 or each.allowed > allowed]
+    yield from (f"{changed(each, wording)}." for each in helping[:MOST_CHANGES])
+    yield from map(wording.sentence, statements.of_rotation(assessment.rotation))
+
+
+def changed(change: Change, wording: Wording) -> str:
+    """What one change would do."""
+    values = {"change": wording.phrase(change.change), "allowed": change.allowed, "of_places": change.of_places}
+    if change.peak is None:
+        return wording.say(statements.CHANGED, **values)
+    return wording.say(statements.CHANGED_BEST, **values, peak=change.peak)
 
 
 def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
@@ -169,7 +171,7 @@ def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[st
 
 
 def _places(assessment: StationAssessment, wording: Wording) -> Table:
-    header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Highest fatigue"]
+    header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Only warned by", "Highest fatigue"]
     rows = [_place(assessment, each, wording) for each in assessment.summaries]
     caption = wording.say(
         "Every place, for the worst of the workers who reach it, each in the way that is best there. The fatigue is "
@@ -179,7 +181,7 @@ def _places(assessment: StationAssessment, wording: Wording) -> Table:
 
 
 def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording) -> list[str]:
-    fatigue = "–"
+    fatigue, cycle_s = "–", assessment.station.cycle.duration_s
     if each.peak is not None:
         joint = wording.catalogue.term(statements.joint_name(each.entry)) if each.entry else ""
         fatigue = f"{joint} {wording.percent(each.peak)}".strip()
@@ -190,7 +192,8 @@ def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording) 
         wording.say("{place} (recommended)", place=place) if recommended else place,
         wording.light(each.level, wording.say("not reached")),
         wording.workers(each.missed_by) or "–",
-        wording.rules(each.by, assessment.station.cycle.duration_s) or "–",
+        wording.rules(each.by, cycle_s) or "–",
+        wording.rules(each.warned_by, cycle_s) or "–",
         fatigue,
     ]
 

@@ -18,6 +18,8 @@ MAX_CELLS = 6000
 def cycles(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlock]:
     """The whole cycle of every worker: its level and fatigue, and what every indicator finds."""
     term = wording.catalogue.term
+    if assessment.best.together is not None:
+        yield Text(wording.sentence(assessment.best.together))
     if not assessment.cycles:
         yield Text(wording.say("No worker can do all operations."))
         return

@@ -7,7 +7,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from fatigue_planner.output.reports.page import prose
 from fatigue_planner.output.reports.station.blocks import Part
-from fatigue_planner.output.reports.station.catalogue import catalogue_of
+from fatigue_planner.output.reports.station.catalogue import Catalogue
 from fatigue_planner.output.reports.station.details import details
 from fatigue_planner.output.reports.station.front import facts, front, shown, verdict
 from fatigue_planner.output.reports.station.pictures import postures_of
@@ -22,12 +22,12 @@ MAX_PICTURES = 60
 _SHOWN_DIGITS = 16
 
 
-def station_page(assessment: StationAssessment, reactions: ReactionCache, command: str, language: str) -> str:
+def station_page(assessment: StationAssessment, reactions: ReactionCache, command: str, texts: Catalogue) -> str:
     """The page in a language. Motions for the pictures are read from the cache.
 
-    Raises SelectionError if there are no texts in the language, and what `ReactionCache.stream` raises.
+    Raises what `ReactionCache.stream` raises.
     """
-    wording = Wording(catalogue_of(language), assessment.workers)
+    wording = Wording(texts, assessment.workers)
     postures = postures_of(assessment, pictured(assessment), reactions, command)
     title = wording.say("Workstation {name}: ergonomic assessment", name=wording.name(assessment.station.name))
     footer = wording.say(

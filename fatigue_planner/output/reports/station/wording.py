@@ -18,7 +18,7 @@ SIGNS = {Level.ACCEPTABLE: "●", Level.INVESTIGATE: "▲", Level.NOT_ACCEPTABLE
 NO_LEVEL = "○"
 _CLASSES = {sign: level.name.lower() for level, sign in SIGNS.items()} | {NO_LEVEL: "none"}
 # Values of sentences that are names of the file: of workers, and of anything else.
-_WORKERS, _NAMES = ("worker", "workers"), ("place", "operation", "others", "tool")
+_WORKERS, _NAMES = ("worker", "workers"), ("place", "operation", "others", "tool", "sequence")
 
 
 class Wording:
