@@ -35,13 +35,14 @@ def assess(
     """Assess a STATION: who can work where, what is not acceptable by which rule, and which place is best.
 
     Every worker does every operation at every place in every way. What cannot be reached, or only as nobody would work,
-    is an answer, not an error. Files in the results folder: assess.html, a page to hand on; assessment.json, outcomes.csv
-    and indicators.csv.
+    is an answer, not an error. Files in the results folder: assess.html, a page to hand on; assessment.json,
+    outcomes.csv and indicators.csv.
     `fatplan init --station NAME` writes a station to fill in.
     """
     from fatigue_planner.core.files import publish_text, writable_folder
     from fatigue_planner.output.reports.station.catalogue import catalogue_of
-    from fatigue_planner.output.reports.station.page import PAGE, station_page
+    from fatigue_planner.output.reports.station.page import PAGE, pictured, station_page
+    from fatigue_planner.output.reports.station.pictures import postures_of
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.assess import assess as assess_station
     from fatigue_planner.station.changes import changed_stations
@@ -65,7 +66,7 @@ def assess(
         )
     warn(store.damaged)
     document = plain(found)
-    page = station_page(found, store, command, texts)
+    page = station_page(found, postures_of(found, pictured(found), store, command), texts)
     files = [folder / PAGE, *write(found, folder, options.json_text(document))]
     publish_text(files[0], page)
     options.present(document | {"files": files}, "\n".join([*_text(found), "", _written(folder, files)]), as_json)

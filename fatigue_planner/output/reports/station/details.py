@@ -1,10 +1,10 @@
 """What follows the first side of a station's page: tables of everything, sources, limits, and a form to fill in."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.output.reports.page import Points, Table, Text
-from fatigue_planner.output.reports.station import filled_in, judgements
+from fatigue_planner.output.reports.station import filled_in, front, judgements
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Part, PostureRow, table
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
 from fatigue_planner.output.reports.station.wording import Wording
@@ -13,11 +13,13 @@ from fatigue_planner.station.assessment import Doing, Outcome, StationAssessment
 from fatigue_planner.station.tables import OUTCOMES
 
 
-def details(assessment: StationAssessment, postures: dict[Doing, Posture], wording: Wording) -> Iterator[Part]:
+def details(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> Iterator[Part]:
     """The parts in their order; parts that have nothing to say are left out."""
     say = wording.say
     yield Part(say("Workers"), [_workers(assessment, wording)])
     yield Part(say("Operations and places"), list(_station(assessment, wording)))
+    if len(assessment.summaries) > front.MOST_PLACES:
+        yield Part(say("All places"), [front.places(assessment, wording, len(assessment.summaries))])
     yield Part(say("Who can do what"), [_outcomes(assessment, wording), *_left_out(assessment, wording)])
     yield Part(say("The cycle as a whole"), list(judgements.cycles(assessment, wording)))
     yield Part(say("Indicators by place"), list(judgements.by_place(assessment, wording)))
@@ -184,7 +186,7 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
     yield from (Text(wording.sentence(each)) for each in statements.of_rotation(assessment.rotation))
 
 
-def _pictures(assessment: StationAssessment, postures: dict[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:
+def _pictures(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:
     caption = "Every place that is reached, in the best way of the worker, where a rule finds it worst."
     yield Text(wording.say(caption))
     yield PostureRow(

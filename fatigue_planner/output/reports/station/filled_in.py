@@ -1,6 +1,6 @@
 """The end of a station's page: what is not computed, and what is to be filled in by hand."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -20,7 +20,9 @@ NOT_COMPUTED = (
 )
 
 
-def not_computed(assessment: StationAssessment, postures: dict[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:
+def not_computed(
+    assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording
+) -> Iterator[AnyBlock]:
     """The methods that are not computed, with why, and what is known of their inputs."""
     yield Points([wording.say(each) for each in NOT_COMPUTED])
     rows = []

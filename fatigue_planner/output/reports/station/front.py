@@ -1,6 +1,6 @@
 """The first side of a station's page: who cannot, what is not acceptable, what to do, and what that rests on."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from fatigue_planner.ergonomics.result import Level
 from fatigue_planner.output.reports.page import Points, Table, Text
@@ -16,7 +16,7 @@ CANNOT = (
 FORBIDDEN = (statements.NOT_ACCEPTABLE, statements.NOT_ACCEPTABLE_AT_ALL)
 TIRED = (statements.WORST_JOINT, statements.NO_JOINT, statements.SHORTFALL)
 # So many sentences of a kind fit on the first side; the details have all.
-MOST, MOST_CHANGES = 6, 3
+MOST, MOST_CHANGES, MOST_PLACES = 6, 3, 8
 
 
 def shown(assessment: StationAssessment) -> list[tuple[str, Doing]]:
@@ -78,7 +78,7 @@ def verdict(assessment: StationAssessment, wording: Wording) -> tuple[str, str]:
     )
 
 
-def front(assessment: StationAssessment, postures: dict[Doing, Posture], wording: Wording) -> list[Part]:
+def front(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> list[Part]:
     """The parts of the first side."""
     figures = [
         figure_of(postures[doing], wording, _shown_as(doing.operation, what, wording))
@@ -89,7 +89,7 @@ def front(assessment: StationAssessment, postures: dict[Doing, Posture], wording
     )
     return [
         Part(wording.say("In short"), [Groups(_groups(assessment, wording))]),
-        Part(wording.say("Places"), [_places(assessment, wording)]),
+        Part(wording.say("Places"), [places(assessment, wording, MOST_PLACES)]),
         Part(wording.say("Postures"), [pictures]),
         Part(wording.say("What this rests on"), [Points(list(_rests_on(assessment, wording)))]),
     ]
@@ -143,7 +143,11 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
 
 def changed(change: Change, wording: Wording) -> str:
     """What one change would do."""
-    values = {"change": wording.phrase(change.change), "allowed": change.allowed, "of_places": change.of_places}
+    values: dict[str, str | float] = {
+        "change": wording.phrase(change.change),
+        "allowed": change.allowed,
+        "of_places": change.of_places,
+    }
     if change.peak is None:
         return wording.say(statements.CHANGED, **values)
     return wording.say(statements.CHANGED_BEST, **values, peak=change.peak)
@@ -170,14 +174,21 @@ def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[st
     yield wording.say("Edition: {edition} ({origin}).", edition=edition, origin=origin)
 
 
-def _places(assessment: StationAssessment, wording: Wording) -> Table:
+def places(assessment: StationAssessment, wording: Wording, most: int) -> Table:
+    """So many of the places: those that are recommended first, then the worst."""
     header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Only warned by", "Highest fatigue"]
-    rows = [_place(assessment, each, wording) for each in assessment.summaries]
+    best = assessment.best.places
+    chosen = sorted(assessment.summaries, key=lambda each: _place_order(each, best))[:most]
+    rows = [_place(assessment, each, wording) for each in assessment.summaries if each in chosen]
     caption = wording.say(
         "Every place, for the worst of the workers who reach it, each in the way that is best there. The fatigue is "
         "the share of its strength that a joint loses in the settled cycle."
     )
     return Table(caption, [wording.say(name) for name in header], rows)
+
+
+def _place_order(each: PlaceSummary, best: Mapping[str, str]) -> tuple[bool, int, int]:
+    return best.get(each.operation) != each.place, -len(each.missed_by), -int(each.level or 0)
 
 
 def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording) -> list[str]:

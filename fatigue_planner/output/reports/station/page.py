@@ -1,6 +1,6 @@
 """The page of an assessed station: one side for everybody, then details; no script, nothing loaded from elsewhere."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -10,9 +10,8 @@ from fatigue_planner.output.reports.station.blocks import Part
 from fatigue_planner.output.reports.station.catalogue import Catalogue
 from fatigue_planner.output.reports.station.details import details
 from fatigue_planner.output.reports.station.front import facts, front, shown, verdict
-from fatigue_planner.output.reports.station.pictures import postures_of
+from fatigue_planner.output.reports.station.pictures import Posture
 from fatigue_planner.output.reports.station.wording import Wording
-from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assessment import Doing, StationAssessment
 
 PAGE = "assess.html"
@@ -22,13 +21,9 @@ MAX_PICTURES = 60
 _SHOWN_DIGITS = 16
 
 
-def station_page(assessment: StationAssessment, reactions: ReactionCache, command: str, texts: Catalogue) -> str:
-    """The page in a language. Motions for the pictures are read from the cache.
-
-    Raises what `ReactionCache.stream` raises.
-    """
+def station_page(assessment: StationAssessment, postures: Mapping[Doing, Posture], texts: Catalogue) -> str:
+    """The page in a language, with the postures of the motions that are `pictured`."""
     wording = Wording(texts, assessment.workers)
-    postures = postures_of(assessment, pictured(assessment), reactions, command)
     title = wording.say("Workstation {name}: ergonomic assessment", name=wording.name(assessment.station.name))
     footer = wording.say(
         "Station file {digest}, fatplan {version}. All numbers are in {json}. Same file and version, same page.",
