@@ -18,8 +18,7 @@ def details(assessment: StationAssessment, postures: Mapping[Doing, Posture], wo
     say = wording.say
     yield Part(say("Workers"), [_workers(assessment, wording)])
     yield Part(say("Operations and places"), list(_station(assessment, wording)))
-    if len(assessment.summaries) > front.MOST_PLACES:
-        yield Part(say("All places"), [front.places(assessment, wording, len(assessment.summaries))])
+    yield Part(say("All places"), [front.places(assessment, wording)])
     yield Part(say("Who can do what"), [_outcomes(assessment, wording), *_left_out(assessment, wording)])
     yield Part(say("The cycle as a whole"), list(judgements.cycles(assessment, wording)))
     yield Part(say("Indicators by place"), list(judgements.by_place(assessment, wording)))

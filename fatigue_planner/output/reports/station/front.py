@@ -16,7 +16,7 @@ CANNOT = (
 FORBIDDEN = (statements.NOT_ACCEPTABLE, statements.NOT_ACCEPTABLE_AT_ALL)
 TIRED = (statements.WORST_JOINT, statements.NO_JOINT, statements.SHORTFALL)
 # So many sentences of a kind fit on the first side; the details have all.
-MOST, MOST_CHANGES, MOST_PLACES = 6, 3, 8
+MOST, MOST_CHANGES, MOST_PLACES, MOST_RULES = 6, 3, 8, 2
 
 
 def shown(assessment: StationAssessment) -> list[tuple[str, Doing]]:
@@ -89,7 +89,7 @@ def front(assessment: StationAssessment, postures: Mapping[Doing, Posture], word
     )
     return [
         Part(wording.say("In short"), [Groups(_groups(assessment, wording))]),
-        Part(wording.say("Places"), [places(assessment, wording, MOST_PLACES)]),
+        Part(wording.say("Places"), [places(assessment, wording, brief=True)]),
         Part(wording.say("Postures"), [pictures]),
         Part(wording.say("What this rests on"), [Points(list(_rests_on(assessment, wording)))]),
     ]
@@ -106,7 +106,9 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
     forbidden += list(_cycles_not_acceptable(assessment, wording))
     tired = [wording.sentence(each) for each in headline if each.template in TIRED]
     others = [each for each in headline if each.template not in {*CANNOT, *FORBIDDEN, *TIRED}]
-    todo = [*(wording.sentence(each) for each in others), *_changes(assessment, wording)]
+    compared = [wording.sentence(each) for each in others if each.template == statements.COMPARED]
+    advice = [wording.sentence(each) for each in others if each.template != statements.COMPARED]
+    todo = [*advice, *_changes(assessment, wording), *compared]
     groups = [
         (wording.say("Who cannot"), cannot or [wording.say("Every worker reaches every place.")]),
         (wording.say("Not acceptable"), forbidden or [wording.say("No rule finds a place not acceptable.")]),
@@ -174,12 +176,15 @@ def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[st
     yield wording.say("Edition: {edition} ({origin}).", edition=edition, origin=origin)
 
 
-def places(assessment: StationAssessment, wording: Wording, most: int) -> Table:
-    """So many of the places: those that are recommended first, then the worst."""
-    header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Only warned by", "Highest fatigue"]
-    best = assessment.best.places
-    chosen = sorted(assessment.summaries, key=lambda each: _place_order(each, best))[:most]
-    rows = [_place(assessment, each, wording) for each in assessment.summaries if each in chosen]
+def places(assessment: StationAssessment, wording: Wording, brief: bool = False) -> Table:
+    """All places; in brief, as many as the first side has room for: the recommended first, then the worst."""
+    header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Highest fatigue"]
+    best, chosen = assessment.best.places, assessment.summaries
+    if brief:
+        chosen = tuple(sorted(chosen, key=lambda each: _place_order(each, best))[:MOST_PLACES])
+    else:
+        header.append("Only warned by")
+    rows = [_place(assessment, each, wording, brief) for each in assessment.summaries if each in chosen]
     caption = wording.say(
         "Every place, for the worst of the workers who reach it, each in the way that is best there. The fatigue is "
         "the share of its strength that a joint loses in the settled cycle."
@@ -191,22 +196,22 @@ def _place_order(each: PlaceSummary, best: Mapping[str, str]) -> tuple[bool, int
     return best.get(each.operation) != each.place, -len(each.missed_by), -int(each.level or 0)
 
 
-def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording) -> list[str]:
+def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording, brief: bool) -> list[str]:
     fatigue, cycle_s = "–", assessment.station.cycle.duration_s
     if each.peak is not None:
         joint = wording.catalogue.term(statements.joint_name(each.entry)) if each.entry else ""
         fatigue = f"{joint} {wording.percent(each.peak)}".strip()
     recommended = assessment.best.places.get(each.operation) == each.place
     place = wording.name(each.place)
-    return [
+    row = [
         wording.name(each.operation),
         wording.say("{place} (recommended)", place=place) if recommended else place,
         wording.light(each.level, wording.say("not reached")),
         wording.workers(each.missed_by) or "–",
-        wording.rules(each.by, cycle_s) or "–",
-        wording.rules(each.warned_by, cycle_s) or "–",
+        wording.rules(each.by, cycle_s, MOST_RULES if brief else None) or "–",
         fatigue,
     ]
+    return row if brief else [*row, wording.rules(each.warned_by, cycle_s) or "–"]
 
 
 def _rests_on(assessment: StationAssessment, wording: Wording) -> Iterator[str]:

@@ -70,10 +70,13 @@ class Wording:
         """Some names of the file."""
         return ", ".join(map(format_label, names))
 
-    def rules(self, by: Sequence[Rule], cycle_s: float) -> str:
-        """The rules that give a level, that with the most seconds first, each with the part that it finds worst."""
+    def rules(self, by: Sequence[Rule], cycle_s: float, most: int | None = None) -> str:
+        """So many of the rules that give a level, that with the most seconds first, each with the part it is about."""
         ordered = sorted(by, key=lambda rule: -(rule.not_acceptable_s or 0.0))
-        return "; ".join(self._rule(rule, cycle_s) for rule in ordered)
+        texts = [self._rule(rule, cycle_s) for rule in ordered[:most]]
+        if len(texts) < len(ordered):
+            texts.append(self.say("{more} more", more=len(ordered) - len(texts)))
+        return "; ".join(texts)
 
     def _rule(self, rule: Rule, cycle_s: float) -> str:
         title = self.catalogue.term(f"{rule.title} ({rule.part})" if rule.part else rule.title)
@@ -129,7 +132,7 @@ class Wording:
             return ", ".join(self._labels.get(each, each) for each in value.split(", "))
         if name in _NAMES:
             return format_label(value)
-        return self.catalogue.term(value)
+        return self.catalogue.term(format_label(value) if name == "joint" else value)
 
     def _labelled(self, workers: Sequence[WorkerFacts]) -> Mapping[str, str]:
         labels = {facts.name: self._label(facts) for facts in workers}
