@@ -36,7 +36,7 @@ def assess(
 
     Every worker does every operation at every place in every way. What cannot be reached, or only as nobody would work,
     is an answer, not an error. Files in the results folder: assess.html, a page to hand on; assessment.json,
-    outcomes.csv and indicators.csv.
+    places.csv, outcomes.csv and indicators.csv.
     `fatplan init --station NAME` writes a station to fill in.
     """
     from fatigue_planner.core.files import publish_text, writable_folder

@@ -41,7 +41,10 @@ ORIGINS = {
 
 
 class Phrase(NamedTuple):
-    """A sentence with its numbers apart, so that it can be translated: `template` is the key of a catalogue."""
+    """A sentence with its numbers apart, so that it can be translated: `template` is the key of a catalogue.
+
+    Templates are literals where a phrase is made, so that a catalogue can be compared with the sources.
+    """
 
     template: str
     values: Mapping[str, str | float] = {}

@@ -178,10 +178,14 @@ class JointThresholds(ScoredPosture):
 
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """See ScoredPosture.remarks."""
-        text = "Twisted from {twisted:g}°, bent sideways from {bent:g}°, abducted from {abducted:g}°, wrist deviated "
-        text += "from {deviated:g}°: the paper gives no numbers."
         values = {"twisted": self.twisted_deg, "bent": self.side_bent_deg, "abducted": self.abducted_deg}
-        return (Phrase(text, values | {"deviated": self.deviated_deg}),)
+        return (
+            Phrase(
+                "Twisted from {twisted:g}°, bent sideways from {bent:g}°, abducted from {abducted:g}°, wrist deviated "
+                "from {deviated:g}°: the paper gives no numbers.",
+                values | {"deviated": self.deviated_deg},
+            ),
+        )
 
 
 def upper_arm_points(to_trunk_deg: Vector) -> Integers:

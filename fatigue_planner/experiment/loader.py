@@ -12,13 +12,15 @@ from fatigue_planner.core.files import find_shipped
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import error_message, joined_errors
-from fatigue_planner.experiment.pose_grid import Range, expand_pose_grids
+from fatigue_planner.experiment.pose_grid import AXES, Range, expand_pose_grids
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.semantic_checks import semantic_errors
 from fatigue_planner.motion.action import Position
 
 S = TypeVar("S", bound=Settings)
 
+# Kinds of points whose coordinates may be ranges: an action's, and a station's.
+GRIDS = {Position.__name__, "Place"}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Below these keys are entries that users name themselves; what is left out in one is not worth a word.
 ENTRIES = (
@@ -88,13 +90,13 @@ def defaults_in(content: Mapping[str, Any], complete: Mapping[str, Any], above: 
 
 
 def editor_schema(kind: type[Settings]) -> dict[str, Any]:
-    """The JSON Schema of a file; coordinates of a hand's position may be ranges (see `pose_grid`)."""
+    """The JSON Schema of a file; coordinates of places may be ranges (see `pose_grid`)."""
     schema = kind.model_json_schema()
     definitions = schema.get("$defs", {})
-    if Position.__name__ in definitions:
+    for name in definitions.keys() & GRIDS:
         definitions[Range.__name__] = Range.model_json_schema()
-        coordinates = definitions[Position.__name__]["properties"]
-        for axis, number in coordinates.items():
+        coordinates = definitions[name]["properties"]
+        for axis, number in ((axis, coordinates[axis]) for axis in AXES):
             reference = {"$ref": f"#/$defs/{Range.__name__}"}
             coordinates[axis] = {"anyOf": [number, reference], "description": number["description"]}
     return {"$schema": DIALECT, **schema}

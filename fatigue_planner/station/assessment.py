@@ -207,7 +207,9 @@ class Change:
     """What one change of the station would do, computed: the recommendation after it beside the one before it.
 
     places, peak, cost  what is recommended after it, as in BestPlaces
-    saving       what of the cost of fatigue before it saves, as a share; None without a recommendation before or after
+    saving       what of the cost of fatigue before it saves at the recommended places, as a share; None without a
+        recommendation before or after
+    saving_everywhere  the same of the mean cost of all places that somebody reaches before and after
     reached_by_all, allowed, of_places  how many places of operations all workers reach, how many are allowed, of all
     """
 
@@ -216,6 +218,7 @@ class Change:
     peak: float | None
     cost: float | None
     saving: float | None
+    saving_everywhere: float | None
     reached_by_all: int
     allowed: int
     of_places: int

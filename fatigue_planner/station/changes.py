@@ -28,9 +28,11 @@ def changed_stations(station: Station) -> list[tuple[Phrase, Station]]:
 
 
 def changes_of(phrases: Sequence[Phrase], before: Examined, after: Sequence[Examined]) -> tuple[Change, ...]:
-    """What the changes do, the most helpful first: more places allowed, then less cost of fatigue."""
+    """What the changes do, the most helpful first: more places allowed, then more reached by all, then less fatigue."""
     found = [_change(phrase, before, each) for phrase, each in zip(phrases, after, strict=True)]
-    return tuple(sorted(found, key=lambda each: (-each.allowed, each.cost if each.cost is not None else float("inf"))))
+    return tuple(
+        sorted(found, key=lambda each: (-each.allowed, -each.reached_by_all, -(each.saving_everywhere or 0.0)))
+    )
 
 
 def _change(phrase: Phrase, before: Examined, after: Examined) -> Change:
@@ -43,10 +45,18 @@ def _change(phrase: Phrase, before: Examined, after: Examined) -> Change:
         best.peak,
         best.cost,
         saving,
+        _saving_everywhere(before, after),
         sum(not each.missed_by for each in after.summaries),
         of_places - len(best.excluded),
         of_places,
     )
+
+
+def _saving_everywhere(before: Examined, after: Examined) -> float | None:
+    costs = [(was.cost, now.cost) for was, now in zip(before.summaries, after.summaries, strict=True)]
+    both = [(was, now) for was, now in costs if was is not None and now is not None]
+    total = sum(was for was, _ in both)
+    return 1 - sum(now for _, now in both) / total if total > 0 else None
 
 
 def _lighter(station: Station) -> Iterator[tuple[Phrase, Station]]:

@@ -15,6 +15,7 @@ from fatigue_planner.fatigue.parameters import FatigueSettings, fatigue_paramete
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
 from fatigue_planner.station.experiments import TIME_STEP_S
+from fatigue_planner.station.place_grid import expand_place_grids
 from fatigue_planner.station.schema import Station
 from fatigue_planner.station.workers import worker_of
 
@@ -48,6 +49,9 @@ def parse_station(content: Mapping[str, Any], source: str) -> Station:
     """The station of a file's content, checked in form; `source` is its name. Raises ExperimentError: all errors."""
     own = {key: value for key, value in content.items() if key != "actions"}
     lines = [_as_a_station(content["actions"])] if "actions" in content else []
+    own, grid_faults = expand_place_grids(own)
+    if grid_faults:
+        raise ExperimentError(joined_errors(source, grid_faults))
     try:
         station = Station.model_validate(own, strict=True)
     except ValidationError as error:

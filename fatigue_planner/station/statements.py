@@ -59,10 +59,8 @@ ASSUMED_TOOL = "A tool is a point mass in the fist; vibration and its centre of 
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
 # What single changes do, and another place in every cycle.
-CHANGED = "{change}: {allowed} of {of_places} places allowed"
-CHANGED_BEST = (
-    "{change}: {allowed} of {of_places} places allowed; a joint loses at most {peak:.0%} of its strength at the best"
-)
+CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed"
+CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"
 
@@ -185,8 +183,10 @@ def of_population(shares: Sequence[ReachShare]) -> Phrases:
 def of_changes(changes: Sequence[Change]) -> Phrases:
     """What single changes of the station would do."""
     for each in changes:
-        values: Values = {"change": str(each.change), "allowed": each.allowed, "of_places": each.of_places}
-        yield Phrase(CHANGED, values) if each.peak is None else Phrase(CHANGED_BEST, values | {"peak": each.peak})
+        values: Values = {"change": str(each.change), "reached": each.reached_by_all, "allowed": each.allowed}
+        values |= {"of_places": each.of_places}
+        saving = each.saving_everywhere
+        yield Phrase(CHANGED, values) if saving is None else Phrase(CHANGED_BY, values | {"saving": saving})
 
 
 def of_rotation(rotation: Rotation | None) -> Phrases:

@@ -14,15 +14,16 @@ from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Phrase
 from fatigue_planner.station.assessment import StationAssessment
 
-ASSESSMENT, OUTCOMES, INDICATORS = "assessment.json", "outcomes.csv", "indicators.csv"
+ASSESSMENT, PLACES, OUTCOMES, INDICATORS = "assessment.json", "places.csv", "outcomes.csv", "indicators.csv"
 
 
 def write(assessment: StationAssessment, folder: Path, json_text: str) -> list[Path]:
     """The files in a folder. Raises OutputFolderError if they cannot be written."""
-    files = [folder / name for name in (ASSESSMENT, OUTCOMES, INDICATORS)]
+    files = [folder / name for name in (ASSESSMENT, PLACES, OUTCOMES, INDICATORS)]
     publish_text(files[0], json_text + "\n")
-    publish_csv(files[1], pd.DataFrame(outcome_rows(assessment)))
-    publish_csv(files[2], pd.DataFrame(indicator_rows(assessment)))
+    publish_csv(files[1], pd.DataFrame(place_rows(assessment)))
+    publish_csv(files[2], pd.DataFrame(outcome_rows(assessment)))
+    publish_csv(files[3], pd.DataFrame(indicator_rows(assessment)))
     return files
 
 
@@ -41,6 +42,28 @@ def plain(value: Any) -> Any:
     if isinstance(value, dict):
         return {key if isinstance(key, str) else "/".join(key): plain(item) for key, item in value.items()}
     return [plain(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def place_rows(assessment: StationAssessment) -> Iterator[dict[str, Any]]:
+    """One row per place of an operation, a map: where it is, who reaches it, how it is judged, how it tires."""
+    for each in assessment.summaries:
+        at = assessment.station.places[each.place]
+        yield {
+            "operation": each.operation,
+            "place": each.place,
+            "x_m": at.x,
+            "y_m": at.y,
+            "z_m": at.z,
+            "reached_by": _joined(each.reached_by),
+            "missed_by": _joined(each.missed_by),
+            "level": "" if each.level is None else each.level.words,
+            "by": _joined(rule.kind for rule in each.by),
+            "warned_by": _joined(rule.kind for rule in each.warned_by),
+            "highest_fatigue": each.peak,
+            "most_tired_entry": each.entry,
+            "fatigue_cost": each.cost,
+            "recommended": assessment.best.places.get(each.operation) == each.place,
+        }
 
 
 def outcome_rows(assessment: StationAssessment) -> Iterator[dict[str, Any]]:

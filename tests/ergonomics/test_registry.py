@@ -1,10 +1,12 @@
 """All indicators on one job: what they say is plain data, every key is described, a plug-in adds one."""
 
+import ast
 import json
 from collections.abc import Iterator
 from typing import ClassVar, Literal
 
 import pytest
+from conftest import ROOT
 from forgotten_plugins import forgotten_plugins
 
 import fatigue_planner as fp
@@ -15,6 +17,7 @@ from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.registry import KINDS, evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level, Origin, Phrase, Span
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
+from fatigue_planner.ergonomics.unknown import Unknown, spanned
 from fatigue_planner.reactions.reaction import Reaction
 
 
@@ -59,6 +62,16 @@ def test_every_key_is_described() -> None:
             assert key.get("description", "").endswith("."), f"{kind.__name__}.{name}"
 
 
+def test_templates_can_be_collected_from_the_sources() -> None:
+    found = []
+    for file in (ROOT / "fatigue_planner" / "ergonomics").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Phrase":
+                assert isinstance(node.args[0], ast.Constant), f"{file.name}: line {node.lineno}"
+                found.append(node.args[0].value)
+    assert len(found) > 40
+
+
 def test_titles_and_kinds_are_not_taken_twice() -> None:
     for names in ([kind.title for kind in KINDS], [kind.model_fields["kind"].default for kind in KINDS]):
         assert len(set(names)) == len(names) == 14
@@ -86,6 +99,21 @@ def test_a_plug_in_adds_an_indicator(reactions: tuple[Reaction, ...]) -> None:
 
     with pytest.raises(PluginError, match="'rula' is already defined"):
         fp.register(Taken)
+
+
+def test_a_range_spans_all_that_may_be() -> None:
+    """Every input alone from the first values, and all of them together, in any order of what they make worse."""
+    unknown = [
+        Unknown("a", 1.0, ((3.0, Phrase("if three")), (2.0, Phrase("if two")))),
+        Unknown("b", 1.0, ((-5.0, Phrase("if negative")), (4.0, Phrase("if four")))),
+        Unknown("c", 0.0, ((7.0, Phrase("which does not matter")),)),
+    ]
+    value, base, decides = spanned(lambda chosen: float(chosen["a"] * chosen["b"]), unknown)
+    assert (value, base) == ((-15, 12), 1)
+    assert [(one.key, str(one.condition), one.value) for one in decides] == [
+        ("a", "if three", 3), ("a", "if two", 2), ("b", "if negative", -5), ("b", "if four", 4),
+    ]  # fmt: skip
+    assert spanned(lambda _: 2.0, []) == ((2, 2), 2, ())
 
 
 def test_words_of_a_result() -> None:

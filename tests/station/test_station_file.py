@@ -180,5 +180,36 @@ def test_a_file_in_an_experiments_words_is_told_a_stations(tmp_path: Path) -> No
     assert "cycle.duration_s = 42.01: should be a multiple of 0.02 s" in message
 
 
+def test_a_grid_of_places_is_a_map() -> None:
+    rack = {
+        "x": {"from": 0.3, "to": 0.4, "count": 2},
+        "y": -0.1,
+        "z": {"from": 1.0, "to": 1.4, "count": 3},
+        "tool": "gun",
+    }
+    said = station(places={"rack": rack, "floor": {"x": 0.4, "y": 0, "z": 0.4}},
+                   operations={"fit": {"places": ["floor", "rack"], "seconds": 5}})  # fmt: skip
+    names = ["rack_x0.3_z1", "rack_x0.3_z1.2", "rack_x0.3_z1.4", "rack_x0.4_z1", "rack_x0.4_z1.2", "rack_x0.4_z1.4"]
+    assert said.operations["fit"].places == ("floor", *names)
+    at = said.places["rack_x0.4_z1.2"]
+    assert (at.x, at.y, at.z, at.tool) == (0.4, -0.1, 1.2, "gun")
+    single = station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+    assert single.operations["fit"].places == tuple(names)
+
+
+@pytest.mark.parametrize(
+    ("rack", "expected"),
+    [
+        ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4}}, "places.rack.z.count: is missing. A range is {from: 0.3"),
+        ({"x": {"from": 0.3, "to": 0.5, "count": 20}, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 20}},
+         "places.rack: its grid has 400 points"),
+    ],
+)  # fmt: skip
+def test_a_faulty_grid_of_places_is_named(rack: dict[str, Any], expected: str) -> None:
+    with pytest.raises(ExperimentError) as error:
+        station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+    assert expected in str(error.value)
+
+
 def test_the_shipped_station_is_valid() -> None:
     assert load_station(Path("car_line")).name == "car_line"

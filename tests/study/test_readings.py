@@ -166,9 +166,9 @@ def test_what_holds_under_all_some_and_no_readings() -> None:
         "Under all 2 readings: planning better than greedy, a b (1 of the paper's claims).",
         "Under some: planning better than alternating (1), c (1) (1 of the paper's claims).",
         "Under none: planning better than periodic, d (1 of the paper's claims).",
-        "planning costs less (single novice, 5 cycles) than greedy by 1 % (hasty) to 2 % (own), 1.5 % in the median, "
-        "alternating by 0 % (hasty) to 10 % (own), 5 % in the median and periodic by −1 % (hasty) to 0 % (own), −0.5 % "
-        "in the median.",
+        "The policy planning costs less (single novice, 5 cycles) than greedy by 1 % (hasty) to 2 % (own), 1.5 % in "
+        "the median, alternating by 0 % (hasty) to 10 % (own), 5 % in the median and periodic by −1 % (hasty) to 0 % "
+        "(own), −0.5 % in the median.",
         "Of greedy's cost (single novice, 5 cycles), the right wrist makes up 50 % (hasty) to 75 % (own) and the back "
         "makes up 25 % (own) to 50 % (hasty).",
     ]

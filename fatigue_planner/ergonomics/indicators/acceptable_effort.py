@@ -19,11 +19,13 @@ Vector = NDArray[np.float64]
 ONE_SECOND = 1 / 28_800
 # Loads below this share of the strength count as rest (assumed, as the threshold of Eq. 2); the formula has none.
 LEAST_SHARE = 0.1
+# Under a load without any rest the formula allows nothing; 1 % keeps the ratio finite (assumed).
+LEAST = 0.01
 
 
 def acceptable_effort(duty_cycle: Vector) -> Vector:
-    """The largest acceptable effort, as a share of the strength, at shares of the time under load."""
-    return np.asarray(1 - np.maximum(duty_cycle - ONE_SECOND, 0) ** 0.24)
+    """The largest acceptable effort, as a share of the strength, at shares of the time under load; LEAST or more."""
+    return np.asarray(np.maximum(1 - np.maximum(duty_cycle - ONE_SECOND, 0) ** 0.24, LEAST))
 
 
 class AcceptableEffort(Indicator):
@@ -53,7 +55,7 @@ class AcceptableEffort(Indicator):
         duty = np.minimum(np.cumsum(seconds[order], axis=0) / job.cycle_s, 1.0)
         sorted_load = np.take_along_axis(load, order, axis=0)
         allowed = acceptable_effort(duty)
-        ratio = np.where(sorted_load >= LEAST_SHARE, sorted_load / np.maximum(allowed, 1e-9), 0.0)
+        ratio = np.where(sorted_load >= LEAST_SHARE, sorted_load / allowed, 0.0)
         rank, entry = np.unravel_index(int(ratio.argmax()), ratio.shape)
         level = Level.ACCEPTABLE if ratio[rank, entry] <= 1 else Level.NOT_ACCEPTABLE
         row = int(order[0, entry])

@@ -19,7 +19,10 @@ DAMAGE = (
 # The dose that parts cases from others best.
 CUT_POINT = 0.03
 HOURS = (1.0, 4.0, 8.0)
-RATINGS = {4: "if somewhat easy", 6: "if somewhat hard", 8: "if hard", 10: "if extremely hard"}
+RATINGS = (
+    (4, Phrase("if somewhat easy")), (6, Phrase("if somewhat hard")), (8, Phrase("if hard")),
+    (10, Phrase("if extremely hard")),
+)  # fmt: skip
 
 
 def probability(dose: float) -> float:
@@ -40,8 +43,7 @@ class Duet(Indicator):
         """See Indicator.assess."""
         unknown = []
         if any(operation.stated.omni_effort is None for operation in job.operations):
-            ratings = tuple((rating, Phrase(words)) for rating, words in RATINGS.items())
-            unknown.append(Unknown("omni_effort", 2, ratings))
+            unknown.append(Unknown("omni_effort", 2, RATINGS))
         if job.shift.hours is None:
             longer = tuple((hours, Phrase("if done for {hours:g} h", {"hours": hours})) for hours in HOURS[1:])
             unknown.append(Unknown("hours", HOURS[0], longer))

@@ -23,7 +23,7 @@ ENDURANCE = {
 }  # fmt: skip
 # Below this share of the strength the curves are not measured, and nothing is counted.
 LEAST_SHARE = 0.15
-# A hold is to use up a fifth of the endurance at most (Miedema, Douwes & Dul 1997, recalled).
+# A hold is to use up a fifth of the endurance at most: 2 of 10 min, 1 of 5 (Miedema, Douwes & Dul 1997, abstract).
 ADVISED = 0.2
 
 
@@ -47,7 +47,7 @@ class HoldingTime(Indicator):
 
     title: ClassVar[str] = "share of the endurance used in a hold"
     edition: ClassVar[str] = "Frey Law & Avin 2010, by joint; Sjøgaard 1986, all joints"
-    origin: ClassVar[Origin] = Origin.RECALLED
+    origin: ClassVar[Origin] = Origin.AGREED
 
     kind: Literal["holding_time"] = Field(
         default="holding_time", description="Share of the endurance that a hold uses up, by two published curves."

@@ -14,9 +14,9 @@ from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 
 Vector = NDArray[np.float64]
 
-# The lever of the one muscle in m: 5 cm in older texts, 7.5 cm for large men; 6 cm is between both.
+# The lever of the one muscle in m: 5 cm in older texts, 7.5 cm for large men (recalled).
 LEVERS_M = (0.075, 0.05)
-# NIOSH 1981: up to 3400 N is a nominal risk; above 6400 N is not allowed (recalled).
+# NIOSH 1981, as textbooks quote it: 3400 N is the action limit, 6400 N the maximum permissible one.
 ACTION_N, MOST_N = 3400.0, 6400.0
 ABOVE = [body for body in BODIES if body.endswith(("abdomen", "thorax", "neck", "head", "arm", "hand"))]
 

@@ -9,7 +9,6 @@ from pydantic import Field
 
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.lifting_equation import (
-    DURATIONS,
     Duration,
     Lift,
     Place,
@@ -96,11 +95,10 @@ class NioshLifting(Indicator):
     def _unknown(self, job: Job, lifting: list[Operation]) -> list[Unknown]:
         found = []
         if job.shift.hours is None:
-            hours = ("up to an hour", "for 1 to 2 h", "for 2 to 8 h")
-            longer = tuple((one, Phrase(f"if done {hours[DURATIONS.index(one)]}")) for one in DURATIONS[1:])
-            found.append(Unknown("hours", DURATIONS[0], longer))
+            longer = (("moderate", Phrase("if done for 1 to 2 h")), ("long", Phrase("if done for 2 to 8 h")))
+            found.append(Unknown("hours", "short", longer))
         if any(operation.stated.coupling is None for operation in lifting):
-            worse = tuple((one, Phrase(f"with {one} coupling")) for one in ("fair", "poor"))
+            worse = (("fair", Phrase("with fair coupling")), ("poor", Phrase("with poor coupling")))
             found.append(Unknown("coupling", "good", worse))
         if any(operation.stated.placed_carefully is None for operation in lifting):
             found.append(Unknown("placed_carefully", False, ((True, Phrase("if placed with care")),)))

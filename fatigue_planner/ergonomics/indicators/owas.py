@@ -78,8 +78,12 @@ class Owas(ScoredPosture):
 
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """See ScoredPosture.remarks."""
-        text = "Bent, twisted or bent sideways from {bent:g}°, knees from {knee:g}°: the paper has only pictures."
-        return (Phrase(text, {"bent": self.bent_deg, "knee": self.bent_knee_deg}),)
+        return (
+            Phrase(
+                "Bent, twisted or bent sideways from {bent:g}°, knees from {knee:g}°: the paper has only pictures.",
+                {"bent": self.bent_deg, "knee": self.bent_knee_deg},
+            ),
+        )
 
 
 def load_class(load_kg: NDArray[np.float64]) -> Integers:

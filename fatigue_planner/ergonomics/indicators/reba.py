@@ -105,8 +105,11 @@ class Reba(JointThresholds):
             Option("rapid_changes", True, Phrase("with rapid large changes of posture or an unstable base")),
         ]
         if operation.load_kg.any():
-            for coupling in ("fair", "poor", "unacceptable"):
-                unknown.append(Option("coupling", coupling, Phrase(f"with {coupling} coupling")))
+            unknown += [
+                Option("coupling", "fair", Phrase("with fair coupling")),
+                Option("coupling", "poor", Phrase("with poor coupling")),
+                Option("coupling", "unacceptable", Phrase("with unacceptable coupling")),
+            ]
         return [option for option in unknown if getattr(operation.stated, option.key) is None]
 
     def scores(self, operation: Operation, stated: Circumstances) -> Scores:
@@ -151,6 +154,9 @@ class Reba(JointThresholds):
 
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """See ScoredPosture.remarks."""
-        text = "An upper arm within {hanging:g}° of the vertical under a bent trunk is helped by gravity; its rotation "
-        text += "and a twist of the wrist are not counted."
-        return (*super().remarks(job), Phrase(text, {"hanging": HANGING_DEG}))
+        gravity = Phrase(
+            "An upper arm within {hanging:g}° of the vertical under a bent trunk is helped by gravity; its rotation "
+            "and a twist of the wrist are not counted.",
+            {"hanging": HANGING_DEG},
+        )
+        return (*super().remarks(job), gravity)

@@ -17,7 +17,10 @@ from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 # Up to this index a job is usually called safe (recalled).
 SAFE = 10.0
 # What an unknown grip may be, as shares of the largest: noticeable, obvious, very strong.
-GRIPS = {0.3: "with a noticeable grip", 0.5: "with an obvious grip", 0.8: "with a very strong grip"}
+GRIPS = (
+    (0.3, Phrase("with a noticeable grip")), (0.5, Phrase("with an obvious grip")),
+    (0.8, Phrase("with a very strong grip")),
+)  # fmt: skip
 HOURS = (1.0, 4.0, 8.0)
 
 
@@ -36,8 +39,7 @@ class StrainIndex(Indicator):
         """See Indicator.assess."""
         unknown = []
         if any(operation.stated.effort_share is None for operation in job.operations):
-            grips = tuple((share, Phrase(words)) for share, words in GRIPS.items())
-            unknown.append(Unknown("effort_share", 0.0, grips))
+            unknown.append(Unknown("effort_share", 0.0, GRIPS))
         if job.shift.hours is None:
             longer = tuple((hours, Phrase("if done for {hours:g} h", {"hours": hours})) for hours in HOURS[1:])
             unknown.append(Unknown("hours", HOURS[0], longer))

@@ -50,7 +50,7 @@ def agreement_sentences(
         f"Under all {points} readings: {_statements(agreed[everywhere])}.",
         f"Under some: {_statements(agreed[~everywhere & ~nowhere], counted=True)}.",
         f"Under none: {_statements(agreed[nowhere])}.",
-        f"{headline.planner} costs less ({where}) than "
+        f"The policy {headline.planner} costs less ({where}) than "
         + listing([_gains(at_headline(gains, headline), headline.planner, name, names) for name in study.baselines])
         + ".",
         _on_shares(shares, study.baselines[0], names, where),

@@ -172,15 +172,15 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
             [
                 wording.sentence(each.change)[:-1],
                 ", ".join(wording.name(place) for place in each.places.values()) or "–",
-                "–" if each.saving is None else wording.percent(each.saving),
+                *("–" if one is None else wording.percent(one) for one in (each.saving, each.saving_everywhere)),
                 "–" if each.peak is None else wording.percent(each.peak),
                 wording.number(each.reached_by_all),
                 wording.say("{allowed} of {of_places}", allowed=each.allowed, of_places=each.of_places),
             ]
             for each in assessment.changes
         ]
-        header = ["Change", "Recommended after it", "Fatigue saved", "Highest fatigue after it",
-                  "Places reached by all", "Places allowed"]  # fmt: skip
+        header = ["Change", "Recommended after it", "Fatigue saved", "Saved over all places",
+                  "Highest fatigue after it", "Places reached by all", "Places allowed"]  # fmt: skip
         yield table(wording, "What one change alone would do, each computed.", header, rows)
     yield from (Text(wording.sentence(each)) for each in statements.of_rotation(assessment.rotation))
 

@@ -136,23 +136,19 @@ def _cycles_not_acceptable(assessment: StationAssessment, wording: Wording) -> I
 
 
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """The changes that help most, more places allowed or less fatigue; and what another place in every cycle does."""
-    allowed = sum(len(each.places) for each in assessment.station.operations.values()) - len(assessment.best.excluded)
-    helping = [each for each in assessment.changes if (each.saving or 0) > 0 or each.allowed > allowed]
-    yield from (f"{changed(each, wording)}." for each in helping[:MOST_CHANGES])
+    """The changes that help most, and what another place in every cycle does."""
+    yield from (f"{changed(each, wording)}." for each in assessment.changes[:MOST_CHANGES])
     yield from map(wording.sentence, statements.of_rotation(assessment.rotation))
 
 
 def changed(change: Change, wording: Wording) -> str:
     """What one change would do."""
-    values: dict[str, str | float] = {
-        "change": wording.phrase(change.change),
-        "allowed": change.allowed,
-        "of_places": change.of_places,
-    }
-    if change.peak is None:
-        return wording.say(statements.CHANGED, **values)
-    return wording.say(statements.CHANGED_BEST, **values, peak=change.peak)
+    what = wording.sentence(change.change)[:-1]
+    values = {"reached": change.reached_by_all, "allowed": change.allowed, "of_places": change.of_places}
+    saving = change.saving_everywhere
+    if saving is None:
+        return wording.say(statements.CHANGED, change=what, **values)
+    return wording.say(statements.CHANGED_BY, change=what, saving=saving, **values)
 
 
 def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[str]:

@@ -1,0 +1,79 @@
+"""Grids of places: a place whose coordinates are ranges stands for one place per point, a map of where work is good."""
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from fatigue_planner.core.settings import MAX_NAME_LENGTH
+from fatigue_planner.experiment.error_messages import dotted, error_lines
+from fatigue_planner.experiment.pose_grid import AXES, Range
+
+# As many as an operation can choose between.
+MAX_POINTS = 100
+
+
+def expand_place_grids(content: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The content of a station file with every grid of places written out, and what is wrong with grids.
+
+    Where coordinates of a place are ranges {from, to, count}, it becomes one place per point, named after it:
+    rack_x0.4_z1.2 (m for minus); operations that name the grid choose between all of them. A faulty grid is left as it
+    is.
+    """
+    places = content.get("places")
+    if not isinstance(places, dict):
+        return dict(content), []
+    grids: dict[str, dict[str, Any]] = {}
+    faults: list[str] = []
+    for name, place in places.items():
+        ranges = {axis: place[axis] for axis in AXES if isinstance(place, dict) and isinstance(place.get(axis), dict)}
+        if ranges:
+            found = list(_points(name, place, ranges, faults))
+            if found:
+                grids[name] = dict(found)
+    written = {key: value for name, place in places.items() for key, value in grids.get(name, {name: place}).items()}
+    return {**content, "places": written, **_operations(content.get("operations"), grids)}, faults
+
+
+def _points(
+    name: str, place: Mapping[str, Any], ranges: Mapping[str, Any], faults: list[str]
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    values = {}
+    for axis, value in ranges.items():
+        key = dotted(["places", name, axis])
+        try:
+            values[axis] = Range.model_validate(value, strict=True).values()
+        except ValidationError as error:
+            faults += [
+                f"{line} A range is {{from: 0.3, to: 0.6, count: 5}}." for line in error_lines(error, Range, key)
+            ]
+    if len(values) < len(ranges):
+        return
+    points = list(itertools.product(*values.values()))
+    longest = name + "".join(f"_{axis}m0.00000" for axis in values)
+    if len(points) > MAX_POINTS or len(longest) > MAX_NAME_LENGTH:
+        faults.append(
+            f"{dotted(['places', name])}: its grid has {len(points)} points, and names of up to {len(longest)} "
+            f"letters; allowed are {MAX_POINTS} and {MAX_NAME_LENGTH}."
+        )
+        return
+    for point in points:
+        label = name + "".join(f"_{axis}{value:g}" for axis, value in zip(values, point, strict=True))
+        yield label.replace("-", "m"), {**place, **dict(zip(values, point, strict=True))}
+
+
+def _operations(operations: Any, grids: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The operations with all points of the grids that they name."""
+    if not isinstance(operations, dict) or not grids:
+        return {}
+    written = {}
+    for name, operation in operations.items():
+        named = operation.get("places") if isinstance(operation, dict) else None
+        if isinstance(named, str):
+            named = (named,)
+        if isinstance(named, tuple):
+            every = tuple(point for each in named for point in (grids.get(each, (each,))))
+            operation = {**operation, "places": every}  # noqa: PLW2901 - the same with its grids written out
+        written[name] = operation
+    return {"operations": written}
