@@ -62,6 +62,8 @@ bench: $(VENV)/.development
 	$(BIN)/python perf/natural.py
 	$(BIN)/python perf/search_convergence.py
 	$(BIN)/python perf/search/decisions.py
+	$(BIN)/python perf/search/lookaheads.py
+	$(BIN)/python perf/effort.py
 	$(BIN)/python perf/search/compare.py --figure docs/images/search_cost.png
 
 clean:

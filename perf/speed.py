@@ -9,6 +9,8 @@ and compilation (one warm-up run).
 import os
 import resource
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -173,6 +175,43 @@ def outside(paper: Experiment) -> None:
         print(f"vector environment of {count}: {steps * count / seconds:,.0f} steps/s")
 
 
+START = """
+import time
+begin = time.process_time()
+import sys
+from pathlib import Path
+import numpy as np
+from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.planners.registry import policy
+loaded = load_experiment(Path("paper"))
+profiles = load_cycle_profiles(loaded, Path(sys.argv[1]), "fatplan simulate")
+task = scenario(loaded, profiles, loaded.benchmark.conditions["single_novice"])
+rng = np.random.default_rng(0)
+settings = {"lookahead": {"kind": "lookahead", "depth": 2, "leaf_value": "bound"}}.get(sys.argv[2])
+chosen = policy(settings) if settings else loaded.benchmark.policies[sys.argv[2]]
+chosen.build().act(task.initial_belief("prior", task.model, rng), rng)
+print(time.process_time() - begin)
+"""
+
+
+def starts() -> None:
+    """CPU seconds from the first import to the first decision, with an empty and with a warm cache of kernels."""
+    for name in ("pomcpMax_0.1", "lookahead"):
+        with tempfile.TemporaryDirectory() as folder:
+            seconds = [
+                float(subprocess.run(
+                    [sys.executable, "-c", START, CACHE, name], env=os.environ | {"XDG_CACHE_HOME": folder},
+                    check=True, capture_output=True, text=True,
+                ).stdout)
+                for _ in range(1 + ROUNDS)
+            ]  # fmt: skip
+        cold, warm = seconds[0], statistics.median(seconds[1:])
+        print(
+            f"first decision of {name}: {cold:.1f} s with no compiled kernels, {warm:.2f} s with; {cold / warm:.1f} x"
+        )
+
+
 def take_steps(tasks: VectorEnvironment, steps: int) -> None:
     actions = np.zeros(tasks.num_envs, int)
     for _ in range(steps):
@@ -185,3 +224,4 @@ if __name__ == "__main__":
     library(load_experiment(EXPERIMENTS / "pose_grid.yaml"))
     searches(experiment)
     outside(experiment)
+    starts()

@@ -10,7 +10,11 @@ from fatigue_planner.ergonomics.result import Assessment, Origin, Phrase
 
 
 class Indicator(Settings):
-    """A method; every kind has `kind: Literal["its name"]`, a title and an edition, and says what it finds in a job."""
+    """A method; every kind has `kind: Literal["its name"]`, a title and an edition, and says what it finds in a job.
+
+    Thresholds that the publication leaves open are keys with a default. An input that is not stated makes a range, and
+    is named (`Assessment.decides`). Where the method may not be used, the answer is `does_not_apply`, with the reason.
+    """
 
     title: ClassVar[str]
     # Method, edition and variant of its tables, as they are printed.

@@ -7,7 +7,7 @@ hands' reach or height, the way and the frequency; loads are normal with a coeff
 import math
 from typing import Literal, NamedTuple
 
-from fatigue_planner.ergonomics.capability import capable_percent
+from fatigue_planner.ergonomics.indicators.percent_capable import capable_percent
 from fatigue_planner.human.anthropometry import Sex
 
 Kind = Literal["lift", "lower", "push initial", "push sustained", "pull initial", "pull sustained", "carry"]

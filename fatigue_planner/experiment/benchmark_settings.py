@@ -108,3 +108,10 @@ class Benchmark(Settings):
         default=None,
         description="What --regret measures decisions against. Default: the deepest affordable lookahead.",
     )
+    max_decision_s: float = Field(
+        default=2.0,
+        gt=0,
+        le=3600,
+        description="How long a decision of a policy or of the reference may take in s, by an estimate made "
+        "beforehand; what may take longer is refused. Budgets given in seconds are what they say.",
+    )

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from fatigue_planner.core.errors import ExperimentError, ProblemError
+from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.planners.expectimax import Levels, best_return, new_levels
@@ -28,9 +28,6 @@ from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import Pomdp
 
 ReferenceLeafValue = Literal["none", "greedy_rollout", "bound"]
-# A decision that applies more cycle maps than this takes minutes; a belief of more states does not fit in memory.
-MAX_MAPS = 3e9
-MAX_STATES = 1e7
 # The most cycle maps that a decision of the reference may apply, and its greatest depth: some 20 ms.
 MAX_REFERENCE_MAPS = 300_000
 MAX_REFERENCE_DEPTH = 14
@@ -188,8 +185,8 @@ class LookaheadSettings(PolicySettings):
         return LookaheadPolicy(self)
 
 
-def maps_of(settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> float:
-    """About how many cycle maps a decision applies from such a belief."""
+def maps_of(settings: ReferenceSettings, belief: Belief) -> float:
+    """About how many cycle maps a decision of the reference applies from such a belief."""
     model = belief.model
     assert isinstance(model, FatiguePomdp)
     actions, outcomes = len(model.actions), len(model.outcomes)
@@ -205,24 +202,6 @@ def maps_of(settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> 
         * (1 if model.observation_reveals_outcome else len(model.observations))
     )
     return float(len(belief.weights)) * float(branches) ** settings.depth * (leaf + outcomes)
-
-
-def check_effort(name: str, settings: LookaheadSettings | ReferenceSettings, belief: Belief) -> None:
-    """Raise ExperimentError, naming the key and a possible depth, if a decision would take too much time or memory."""
-    model = belief.model
-    states = float(len(belief.weights)) * (
-        1.0 if model.observation_reveals_outcome else float(len(model.outcomes)) ** settings.depth
-    )
-    maps = maps_of(settings, belief)
-    if maps <= MAX_MAPS and states <= MAX_STATES:
-        return
-    depth = settings.depth
-    while depth > 1 and maps_of(settings.model_copy(update={"depth": depth}), belief) > MAX_MAPS:
-        depth -= 1
-    raise ExperimentError(
-        f"{name}.depth = {settings.depth}: a decision would apply {maps:.0e} cycle maps to beliefs of {states:.0e} "
-        f"states; at most {MAX_MAPS:.0e} and {MAX_STATES:.0e} are allowed. Try {depth} or less."
-    )
 
 
 def reference_for(belief: Belief) -> ReferenceSettings:

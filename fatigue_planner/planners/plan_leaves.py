@@ -7,7 +7,7 @@ Nobody sees the state, so a belief is worth the largest mean value of a plan, no
 Every state goes through all histories of the last cycles before the next state does: its worker's plans are read once.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -156,7 +156,7 @@ def clear(ends: PlanEnds) -> None:
 
 @kernel
 def add_cycle(
-    arrays: Any, plans: PlanValues, ends: PlanEnds, state: Vector, weight: float, begun: int, waiting: int
+    arrays: FatigueArrays, plans: PlanValues, ends: PlanEnds, state: Vector, weight: float, begun: int, waiting: int
 ) -> int:
     """The last cycle from a state of this weight; how many states wait then (`waiting` do so far)."""
     observations = arrays.observation.shape[1]
@@ -180,7 +180,7 @@ def add_cycle(
 
 
 @kernel
-def value_waiting(arrays: Any, plans: PlanValues, ends: PlanEnds, worker: int, waiting: int) -> None:
+def value_waiting(arrays: FatigueArrays, plans: PlanValues, ends: PlanEnds, worker: int, waiting: int) -> None:
     """Add to the sums what the worker's plans are worth in the states that wait."""
     square, linear, constant = plans.square[worker], plans.linear[worker], plans.constant[worker]
     for plan in range(constant.size):

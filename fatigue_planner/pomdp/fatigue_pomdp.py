@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import inlined
+from fatigue_planner.core.pcg64 import uniform
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.pomdp.boltzmann import lowest, normalise_choice, relative_chance, weigh
 from fatigue_planner.pomdp.cost import CostArrays, FatigueCost, cost_after, cost_moving, mean_square
@@ -91,7 +92,7 @@ def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference:
 @inlined
 def recognise(arrays: FatigueArrays, preference: int, rng: np.random.Generator) -> int:
     """A draw of o from P(o | u)."""
-    return preference if arrays.observation_reveals_outcome else draw(arrays.observation[preference], rng.random())
+    return preference if arrays.observation_reveals_outcome else draw(arrays.observation[preference], uniform(rng))
 
 
 @inlined
@@ -99,16 +100,16 @@ def react_to_anything(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
     """The generative model of Fig. 4 for novices, whose choice does not depend on costs."""
-    preference = int(rng.random() * scratch.size)
+    preference = int(uniform(rng) * scratch.size)
     reward = react(arrays, state, action, preference)
     return recognise(arrays, preference, rng), reward
 
 
 @inlined
-def react_to_costs(
+def react_surely(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
-) -> tuple[int, float]:
-    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and the cost is known."""
+) -> tuple[int, float, bool]:
+    """`react_to_costs`, and whether the worker always chooses so in this state."""
     row = first_row(arrays, state, action)
     expertise = expertise_of(arrays, state)
     preference, least, ties = 0, np.inf, 0
@@ -118,13 +119,23 @@ def react_to_costs(
         ties = 1 if cost < least else ties + (cost == least)
         preference = u if cost < least else preference
         least = min(cost, least)
-    if ties == 1 and expertise == np.inf:
+    sure = ties == 1 and expertise == np.inf
+    if sure:
         move(arrays.gain, arrays.offset, state, row + preference)
         reward = -least
     else:
-        preference = draw(scratch, weigh(scratch, least, expertise) * rng.random())
+        preference = draw(scratch, weigh(scratch, least, expertise) * uniform(rng))
         reward = react(arrays, state, action, preference)
-    return recognise(arrays, preference, rng), reward
+    return recognise(arrays, preference, rng), reward, sure
+
+
+@inlined
+def react_to_costs(
+    arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float]:
+    """The generative model of Fig. 4. An expert with one cheapest preference needs no draw, and the cost is known."""
+    observation, reward, _ = react_surely(arrays, state, action, scratch, rng)
+    return observation, reward
 
 
 @inlined

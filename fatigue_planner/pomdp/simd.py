@@ -96,6 +96,48 @@ def _emit(context: Any, builder: Any, signature: Any, args: Any, store: bool, sq
     return builder.extract_element(vector, ir.Constant(ir.IntType(32), 0))
 
 
+def _emit_steps(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    """What `_plain_steps` does: a few blocks at a time go through all steps in registers."""
+    block = ir.VectorType(ir.DoubleType(), LANES)
+    gain, offset, state, rows = (
+        context.make_array(kind)(context, builder, value) for kind, value in zip(signature.args, args[:4], strict=False)
+    )
+    width = cgutils.unpack_tuple(builder, gain.shape)[1]
+
+    def number(value: int) -> Any:
+        return ir.Constant(width.type, value)
+
+    def blocks(table: Any, place: Any, count: int) -> list[Any]:
+        start = builder.gep(table.data, [place])
+        return [builder.bitcast(builder.gep(start, [number(i * LANES)]), block.as_pointer()) for i in range(count)]
+
+    begin = number(0)
+    for count in GROUPS:
+        end = builder.and_(width, number(-LANES * count))
+        with cgutils.for_range_slice(builder, begin, end, number(LANES * count)) as (j, _):
+            own = blocks(state, j, count)
+            values = [cgutils.alloca_once(builder, block) for _ in own]
+            for value, pointer in zip(values, own, strict=True):
+                builder.store(builder.load(pointer, align=8), value)
+            with cgutils.for_range_slice(builder, args[4], args[5], number(1)) as (step, _):
+                place = builder.add(builder.mul(builder.load(builder.gep(rows.data, [step])), width), j)
+                maps = zip(values, blocks(gain, place, count), blocks(offset, place, count), strict=True)
+                for value, g, o in maps:
+                    scaled = builder.fmul(builder.load(g, align=8), builder.load(value))
+                    builder.store(builder.fadd(scaled, builder.load(o, align=8)), value)
+            for value, pointer in zip(values, own, strict=True):
+                builder.store(builder.load(value), pointer, align=8)
+        begin = end
+    return context.get_dummy_value()
+
+
+def _plain_steps(gain: Array, offset: Array, state: Vector, rows: NDArray[np.int64], begin: int, end: int) -> None:
+    """The steps of rows[begin ... end - 1] in turn."""
+    width = gain.shape[1]
+    for row in rows[begin:end]:
+        state[:width] = gain[row] * state[:width] + offset[row]
+
+
 def _plain(gain: Array, offset: Array, state: Vector, row: int, store: bool, squares: bool) -> float:
     """What `_emit` compiles."""
     width = gain.shape[1]
@@ -142,6 +184,15 @@ move = _make(True, True)
 sum_of_squares_after = _make(False, True)
 # quadratic(square, linear, state, row): the sum of (square * state + linear) * state.
 quadratic = _make(False, False)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _compiled_steps(_typing: Any, gain: Any, offset: Any, state: Any, rows: Any, begin: Any, end: Any) -> Any:
+    return types.void(gain, offset, state, rows, types.intp, types.intp), _emit_steps
+
+
+# move_along(gain, offset, state, rows, begin, end): the same as `move` along several rows, without the sums.
+move_along = _plain_steps if numba.config.DISABLE_JIT else _compiled_steps
 
 
 @inlined

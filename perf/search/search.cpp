@@ -10,6 +10,10 @@
 //   1 / sqrt(0) = inf makes the untried action win without a branch;
 // - the state is simulated again in each descent (not kept in the nodes), in vectors of eight entries which
 //   stay in registers where the number of entries is a template argument;
+// - a node's next action is chosen when a return is backed up: a descent need not wait for the scores;
+// - where a node's state is always the same and so is the worker's choice (one initial state, an expert), the node
+//   keeps the choice and its successor the reward: the state is simulated only where a descent leaves the tree;
+// - among 2, 4, ... equally likely preferences a choice takes one bit, two bits, ... of a random number;
 // - the max backup is a mean backup of another target: r + gamma (n V - n' V'), with the successor's visits
 //   and value after (n, V) and before (n', V') this descent, so that no other successor is looked at.
 #include <cmath>
@@ -42,7 +46,7 @@ struct Xoshiro {  // xoshiro256+, Blackman & Vigna
       word = z ^ (z >> 31);
     }
   }
-  inline double uniform() {
+  inline uint64_t word() {
     const uint64_t result = s[0] + s[3], t = s[1] << 17;
     s[2] ^= s[0];
     s[3] ^= s[1];
@@ -50,7 +54,21 @@ struct Xoshiro {  // xoshiro256+, Blackman & Vigna
     s[0] ^= s[3];
     s[2] ^= t;
     s[3] = (s[3] << 45) | (s[3] >> 19);
-    return static_cast<double>(result >> 11) * 0x1.0p-53;
+    return result;
+  }
+  inline double uniform() { return static_cast<double>(word() >> 11) * 0x1.0p-53; }
+  // Bits are taken from the top of one number after the other.
+  uint64_t left = 0;
+  int bits_left = 0;
+  inline int bits(int count) {
+    if (bits_left < count) {
+      left = word();
+      bits_left = 64;
+    }
+    const int found = static_cast<int>(left >> (64 - count));
+    left <<= count;
+    bits_left -= count;
+    return found;
   }
 };
 
@@ -101,10 +119,13 @@ inline int draw(const double *probabilities, int size, double threshold) {
 template <int A, int O>
 struct Node {
   double value[A];
-  double best;  // V(h), for the max backup
+  double best;    // V(h), for the max backup
+  double reward;  // of the step that leads here, where it is always the same
   int32_t visited;
   int32_t tried[A];
   int32_t child[A * O];
+  int8_t sure[A];  // the preference that is always chosen, or UNKNOWN
+  int8_t next;     // the action that the next descent chooses here
 };
 
 template <int A, int O>
@@ -121,33 +142,43 @@ struct Nodes {
   inline int32_t &visited(int i) const { return at(i).visited; }
   inline int32_t *tried(int i) const { return at(i).tried; }
   inline int32_t *child(int i) const { return at(i).child; }
+  inline double &reward(int i) const { return at(i).reward; }
+  inline int8_t *sure(int i) const { return at(i).sure; }
+  inline int8_t &next(int i) const { return at(i).next; }
 };
 
 template <>
 struct Nodes<0, 0> {
   char *memory;
-  size_t actions, stride;
+  size_t actions, children, stride;
   static size_t bytes(int A, int O) {
-    return (sizeof(double) * (A + 1) + sizeof(int32_t) * (1 + A + static_cast<size_t>(A) * O) + 15) / 16 * 16;
+    return (sizeof(double) * (A + 2) + sizeof(int32_t) * (1 + A + static_cast<size_t>(A) * O) + A + 1 + 15) / 16 * 16;
   }
-  Nodes(void *m, int A, int O) : memory(static_cast<char *>(m)), actions(A), stride(bytes(A, O)) {}
+  Nodes(void *m, int A, int O)
+      : memory(static_cast<char *>(m)), actions(A), children(static_cast<size_t>(A) * O), stride(bytes(A, O)) {}
   inline double *value(int i) const { return reinterpret_cast<double *>(memory + i * stride); }
   inline double &best(int i) const { return value(i)[actions]; }
-  inline int32_t *ints(int i) const { return reinterpret_cast<int32_t *>(value(i) + actions + 1); }
+  inline double &reward(int i) const { return value(i)[actions + 1]; }
+  inline int32_t *ints(int i) const { return reinterpret_cast<int32_t *>(value(i) + actions + 2); }
   inline int32_t &visited(int i) const { return *ints(i); }
   inline int32_t *tried(int i) const { return ints(i) + 1; }
   inline int32_t *child(int i) const { return ints(i) + 1 + actions; }
+  inline int8_t *sure(int i) const { return reinterpret_cast<int8_t *>(child(i) + children); }
+  inline int8_t &next(int i) const { return sure(i)[actions]; }
 };
 
+constexpr int8_t UNKNOWN = -1;
+
 struct Step {
-  int32_t node, action;
+  int32_t node;
+  int16_t action, row;
   double reward;
 };
 
 enum class Choice { uniform, cheapest, soft };
 
-// BLOCKS: vectors of a state, or 0 if only known at run time.
-template <int A, int U, int BLOCKS, Choice CHOICE, bool MAXIMISE>
+// BLOCKS: vectors of a state, or 0 if only known at run time. KEEP: nodes keep what is always the same.
+template <int A, int U, int BLOCKS, Choice CHOICE, bool MAXIMISE, bool KEEP>
 double grow(const Model &m, const double *states, const double *weights, int particles, int descents,
             double exploration, uint64_t seed, double *values, int64_t *tried_out) {
   const int actions = A ? A : m.actions, preferences = U ? U : m.preferences;
@@ -169,7 +200,26 @@ double grow(const Model &m, const double *states, const double *weights, int par
     for (int k = 0; k < actions * observations; ++k) tree.child(i)[k] = -1;
     tree.best(i) = 0;
     tree.visited(i) = 1;
+    tree.next(i) = 0;
+    if (KEEP)
+      for (int a = 0; a < actions; ++a) tree.sure(i)[a] = UNKNOWN;
   };
+  // The action for the next descent: known as soon as this one is backed up, long before the next one comes along.
+  auto ucb1 = [&](int node) {
+    const double *value = tree.value(node);
+    const int32_t *tried = tree.tried(node);
+    const double width = c * root_log[tree.visited(node)++];
+    int action = 0;
+    double best = value[0] + width * inverse_root[tried[0]];
+    for (int a = 1; a < actions; ++a) {
+      const double score = value[a] + width * inverse_root[tried[a]];
+      const bool better = score > best;
+      action = better ? a : action;
+      best = better ? score : best;
+    }
+    return action;
+  };
+  const int bits = preferences & (preferences - 1) ? 0 : __builtin_ctz(preferences);
   int used = 1;
   make(0);
   int64_t steps = 0;
@@ -183,29 +233,33 @@ double grow(const Model &m, const double *states, const double *weights, int par
     const int particle = particles > 1 ? draw(weights, particles, rng.uniform()) : 0;
     const Lanes *start = reinterpret_cast<const Lanes *>(states) + static_cast<size_t>(particle) * blocks;
     for (int j = 0; j < blocks; ++j) state[j] = start[j];
-    int node = 0, depth = 0;
+    int node = 0, depth = 0, simulated = 0;  // `simulated`: how many steps are in the state
     while (node >= 0) {
-      // UCB1
-      const int32_t times = tree.visited(node) - 1;
-      const double *value = tree.value(node);
-      const int32_t *tried = tree.tried(node);
-      const double width = c * root_log[times];
-      int action = 0;
-      double best = value[0] + width * inverse_root[tried[0]];
-      for (int a = 1; a < actions; ++a) {
-        const double score = value[a] + width * inverse_root[tried[a]];
-        const bool better = score > best;
-        action = better ? a : action;
-        best = better ? score : best;
+      const int action = tree.next(node);
+      if (KEEP) {
+        const int always = tree.sure(node)[action];
+        if (always != UNKNOWN) {
+          const int32_t child = tree.child(node)[action * observations + always];
+          const int row = action * preferences + always;
+          path[depth++] = {node, static_cast<int16_t>(action), static_cast<int16_t>(row), tree.reward(child)};
+          node = child;
+          continue;
+        }
+        for (; simulated < depth; ++simulated) {
+          const size_t first = static_cast<size_t>(path[simulated].row) * blocks;
+          const Lanes *gain = reinterpret_cast<const Lanes *>(m.gain) + first;
+          const Lanes *offset = reinterpret_cast<const Lanes *>(m.offset) + first;
+          for (int j = 0; j < blocks; ++j) state[j] = gain[j] * state[j] + offset[j];
+        }
       }
-      tree.visited(node) = times + 2;
       // Eq. 4
       const Lanes *gain = reinterpret_cast<const Lanes *>(m.gain) + static_cast<size_t>(action) * preferences * blocks;
       const Lanes *offset = reinterpret_cast<const Lanes *>(m.offset) + (gain - reinterpret_cast<const Lanes *>(m.gain));
       int preference = 0;
+      bool certain = false;
       double cost = 0;
       if (CHOICE == Choice::uniform) {
-        preference = static_cast<int>(rng.uniform() * preferences);
+        preference = bits ? rng.bits(bits) : static_cast<int>(rng.uniform() * preferences);
       } else {
         double lowest = std::numeric_limits<double>::infinity();
         for (int u = 0; u < preferences; ++u) {
@@ -229,6 +283,7 @@ double grow(const Model &m, const double *states, const double *weights, int par
         }
         // one uniform draw, as in the other search; scaled by the total instead of dividing every probability
         const double threshold = rng.uniform() * total;
+        certain = CHOICE == Choice::cheapest && total == 1;
         if (total > 1) preference = draw(chances, preferences, threshold);  // else the cheapest is the only one
         cost = costs[preference];
       }
@@ -253,12 +308,16 @@ double grow(const Model &m, const double *states, const double *weights, int par
       const int seen = revealed ? preference
                              : draw(m.observation + static_cast<size_t>(preference) * observations, observations,
                                     rng.uniform());
-      path[depth++] = {node, action, -cost};
+      path[depth++] = {node, static_cast<int16_t>(action), 0, -cost};
+      simulated = depth;
+      const int left = node;
       int32_t &child = tree.child(node)[action * observations + seen];
       node = child;
       if (node < 0) {
         child = used;
-        make(used++);
+        make(used);
+        if (KEEP && certain) tree.sure(left)[action] = static_cast<int8_t>(preference), tree.reward(used) = -cost;
+        ++used;
       }
     }
     steps += depth;
@@ -276,10 +335,11 @@ double grow(const Model &m, const double *states, const double *weights, int par
           const double v = tree.tried(step.node)[a] ? value[a] : -std::numeric_limits<double>::infinity();
           after = v > after ? v : after;
         }
-        const double visited = tree.visited(step.node);
+        const double visited = tree.visited(step.node) + 1;
         carried = visited * after - (visited - 1) * best;
         best = after;
       }
+      tree.next(step.node) = static_cast<int8_t>(ucb1(step.node));
     }
   }
   for (int a = 0; a < actions; ++a) values[a] = tree.value(0)[a], tried_out[a] = tree.tried(0)[a];
@@ -287,15 +347,19 @@ double grow(const Model &m, const double *states, const double *weights, int par
 }
 
 template <int A, int U, int BLOCKS, typename... Rest>
-double by_choice(const Model &m, bool maximise, Rest... rest) {
+double by_choice(const Model &m, bool maximise, const double *states, const double *weights, int particles,
+                 Rest... rest) {
+  const auto choose = [&](auto most, auto least) {
+    return maximise ? most(m, states, weights, particles, rest...) : least(m, states, weights, particles, rest...);
+  };
+  using C = Choice;
   if (m.expertise == 0)
-    return maximise ? grow<A, U, BLOCKS, Choice::uniform, true>(m, rest...)
-                    : grow<A, U, BLOCKS, Choice::uniform, false>(m, rest...);
+    return choose(grow<A, U, BLOCKS, C::uniform, true, false>, grow<A, U, BLOCKS, C::uniform, false, false>);
   if (std::isinf(m.expertise))
-    return maximise ? grow<A, U, BLOCKS, Choice::cheapest, true>(m, rest...)
-                    : grow<A, U, BLOCKS, Choice::cheapest, false>(m, rest...);
-  return maximise ? grow<A, U, BLOCKS, Choice::soft, true>(m, rest...)
-                  : grow<A, U, BLOCKS, Choice::soft, false>(m, rest...);
+    return particles == 1 && m.revealed
+               ? choose(grow<A, U, BLOCKS, C::cheapest, true, true>, grow<A, U, BLOCKS, C::cheapest, false, true>)
+               : choose(grow<A, U, BLOCKS, C::cheapest, true, false>, grow<A, U, BLOCKS, C::cheapest, false, false>);
+  return choose(grow<A, U, BLOCKS, C::soft, true, false>, grow<A, U, BLOCKS, C::soft, false, false>);
 }
 
 template <int A, int U, typename... Rest>
@@ -304,6 +368,8 @@ double by_entries(const Model &m, Rest... rest) {
     case 2: return by_choice<A, U, 2>(m, rest...);
     case 3: return by_choice<A, U, 3>(m, rest...);
     case 4: return by_choice<A, U, 4>(m, rest...);
+    case 5: return by_choice<A, U, 5>(m, rest...);
+    case 6: return by_choice<A, U, 6>(m, rest...);
     case 10: return by_choice<A, U, 10>(m, rest...);
     default: return by_choice<A, U, 0>(m, rest...);
   }

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fatigue_planner.ergonomics import arm_force_field as field
-from fatigue_planner.ergonomics.capability import capable_percent
 from fatigue_planner.ergonomics.indicators.arm_force_field import ArmForceField, exerted_n, strengths
+from fatigue_planner.ergonomics.indicators.percent_capable import capable_percent
 from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.stated import Circumstances

@@ -15,9 +15,8 @@ from fatigue_planner.core.settings import Settings
 from fatigue_planner.ergonomics.indicator import INDICATORS, Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.registry import KINDS, evaluate
-from fatigue_planner.ergonomics.result import Assessment, Level, Origin, Phrase, Span
+from fatigue_planner.ergonomics.result import Assessment, Level, Origin, Phrase, Span, Unknown, spanned
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
-from fatigue_planner.ergonomics.unknown import Unknown, spanned
 from fatigue_planner.reactions.reaction import Reaction
 
 

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 from test_posture import standing
 
-from fatigue_planner.ergonomics.capability import CapableShare, capable_percent
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.indicators.acceptable_effort import AcceptableEffort, acceptable_effort
 from fatigue_planner.ergonomics.indicators.holding_time import HoldingTime, endurance_s, sjogaard_s
 from fatigue_planner.ergonomics.indicators.l5s1_compression import L5S1Compression, compression_n, weight_n
-from fatigue_planner.ergonomics.indicators.percent_capable import PercentCapable, variation
+from fatigue_planner.ergonomics.indicators.percent_capable import (
+    CapableShare,
+    PercentCapable,
+    capable_percent,
+    variation,
+)
 from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level

@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 import pytest
+from plain_python import plant_in_search
 from scipy import stats
 from small_problems import (
     EXPERTISES,
     NOISY,
     expectimax,
     lookahead,
+    nodes_of,
     pomcp,
     relaxed,
     small_model,
+    small_profiles,
     tree_of,
     two_starts,
     two_workers,
@@ -27,9 +30,13 @@ from tree_checks import (
     children,
 )
 
+from fatigue_planner.core.jit import kernel
 from fatigue_planner.experiment.build import cycle_profiles, scenario
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.planners.pomcp import kernels, policy
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, build_pomdp, one_worker
+from fatigue_planner.pomdp.simd import move_along
 from fatigue_planner.reactions.reaction import Reaction
 
 BACKUPS = ("mean", "max", "exact")
@@ -152,3 +159,65 @@ def test_an_action_not_tried_does_not_count_as_zero(backup: str) -> None:
     (node,) = (child for a in range(2) for child in children(tree, 0, a) if tree.tried[child].any())
     assert tree.tried[node].tolist() == [1, 0]
     assert tree.value[0, tree.tried[0].argmax()] < belief.expected_rewards().max() + tree.value[node, 0] / 3
+
+
+# --- what is fast gives the same as what is plain ------------------------------------------------------------------
+
+
+def with_ties() -> FatiguePomdp:
+    """An expert to whom both reactions to the second action cost the same."""
+    profiles = small_profiles()
+    profiles["b", "y"] = profiles["b", "x"]
+    return build_pomdp("ab", "xy", profiles, np.zeros((1, 3)), one_worker(math.inf), 0.95)
+
+
+def three_trees(model: FatiguePomdp, backup: str) -> list[np.ndarray]:
+    """Of decisions that go on from each other's trees."""
+    actor, rng, belief = (
+        PomcpPolicy(pomcp(150, 0.01, backup, reuse_tree=True)),
+        np.random.default_rng(3),
+        relaxed(model),
+    )
+    trees = []
+    for _ in range(3):
+        tree = nodes_of(actor.tree(belief, rng, 0.0))
+        trees += [np.array(tree[name]) for name in ("value", "best", "tried", "visited", "child")]
+        action = int(tree.value[0].argmax())
+        observation = int(tree.child[0, action].argmax())
+        actor.observe(action, observation)
+        belief = belief.update(action, observation, rng)
+    return [*trees, np.array(rng.random())]
+
+
+@pytest.mark.parametrize("backup", BACKUPS)
+@pytest.mark.parametrize("kind", ["novice", "expert", "expert with ties"])
+def test_steps_not_taken_again_and_compiled_code_change_no_bit(
+    kind: str, backup: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = with_ties() if "ties" in kind else small_model(math.inf if kind == "expert" else 0.0)
+    assert kernels.keeps_rewards(model) is (kind != "novice")
+    fast = three_trees(model, backup)
+    for module in (kernels, policy):
+        monkeypatch.setattr(module, "keeps_rewards", lambda _model: False)
+    plant_in_search(monkeypatch)
+    for found, plain in zip(fast, three_trees(model, backup), strict=True):
+        assert np.array_equal(found, plain)
+
+
+@pytest.mark.parametrize("width", [8, 24, 80, 120])
+def test_several_steps_at_once_are_one_after_the_other(width: int) -> None:
+    rng = np.random.default_rng(width)
+    gain, offset = rng.random((4, width)), rng.random((4, width))
+    start, rows = rng.random(width + 1), np.array([3, 1, 0, 3, 2])
+    state = start.copy()
+    step_along(gain, offset, state, rows, 1, 4)
+    for row in (1, 0, 3):
+        start[:width] = gain[row] * start[:width] + offset[row]
+    assert np.array_equal(state, start)
+    step_along(gain, offset, state, rows, 2, 2)
+    assert np.array_equal(state, start)
+
+
+@kernel
+def step_along(gain: np.ndarray, offset: np.ndarray, state: np.ndarray, rows: np.ndarray, begin: int, end: int) -> None:
+    move_along(gain, offset, state, rows, begin, end)

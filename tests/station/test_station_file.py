@@ -211,5 +211,20 @@ def test_a_faulty_grid_of_places_is_named(rack: dict[str, Any], expected: str) -
     assert expected in str(error.value)
 
 
+def test_what_init_writes_is_a_station(tmp_path: Path) -> None:
+    assert fatplan("init", "anna", "--station", cwd=tmp_path).returncode == 0
+    done = fatplan("validate", "anna.yaml", cwd=tmp_path)
+    assert done.stdout == "anna.yaml: ok; a station with 1 operation, 3 workers.\n"
+    # what is commented out is right, too
+    text = (tmp_path / "anna.yaml").read_text()
+    for key in ("population", "gun", "  coupling", "  actions_per_minute", "  effort_share", "  shock", "limits"):
+        text = text.replace(f"\n# {key.strip()}:", f"\n{key.strip()}:").replace(f"\n# {key}", f"\n  {key}")
+    text = text.replace("\ngun:", "\n  gun:")
+    (tmp_path / "anna.yaml").write_text(text)
+    all_of_it = load_station(tmp_path / "anna.yaml")
+    assert all_of_it.limits and all_of_it.population and all_of_it.tools["gun"].force_n
+    assert all_of_it.operations["screw"].effort_share == 0.3
+
+
 def test_the_shipped_station_is_valid() -> None:
     assert load_station(Path("car_line")).name == "car_line"

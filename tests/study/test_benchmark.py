@@ -261,6 +261,7 @@ def test_key_of_a_cell_knows_sources_and_libraries(cells: list[Cell], machine: M
         "study/benchmark/trial.py",
         "core/random_streams.py",
         "core/jit.py",
+        "core/pcg64.py",
     )
     keys = [machine.with_another_file(file, key) for file in files]
     keys += [machine.with_another_version(name, key) for name in ("numpy", "numba", "scipy")]

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.core.random_streams import draw_random_numbers
 from fatigue_planner.experiment.build import cycle_profiles, scenario
@@ -19,7 +18,6 @@ from fatigue_planner.planners.lookahead import (
     LookaheadPolicy,
     LookaheadSettings,
     ReferenceSettings,
-    check_effort,
     describe,
     reference_for,
 )
@@ -244,11 +242,3 @@ def test_where_nothing_tires_the_bound_is_nothing(scenarios: dict[str, Scenario]
     bounds = pd.DataFrame({"condition": ["c"], "n_cycles": [5], "cost_bound": [0.0], "exact": [True]})
     table = gap_table(comparison_table(pd.DataFrame(rows, columns=columns), 0.05), bounds)
     assert table["gap"].tolist() == [0.0] and "nan" not in gap_text(table, [])
-
-
-def test_a_lookahead_that_never_ends_is_refused(scenarios: dict[str, Scenario]) -> None:
-    one = scenarios["single_novice"]
-    belief = one.initial_belief("prior", one.model, np.random.default_rng(0))
-    check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=8), belief)
-    with pytest.raises(ExperimentError, match=r"benchmark\.policies\.p\.depth = 30: .* Try 1\d or less"):
-        check_effort("benchmark.policies.p", LookaheadSettings(kind="lookahead", depth=30), belief)

@@ -257,6 +257,7 @@ RULES = (
     Rule(("benchmark.n_cycles.[]", "benchmark.trials"), "how much is run: what both grids have stays"),
     Rule(("benchmark.seed",), "the chance of every run; a bound has none", cells=lambda leaf, condition, policy: True),
     Rule(("benchmark.reference.*",), "what decisions are measured against", regret=True),
+    Rule(("benchmark.max_decision_s",), "what is refused"),
     Rule(("statistics.*", "figures.*"), "what is made of the runs"),
 )  # fmt: skip
 

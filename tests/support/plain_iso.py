@@ -43,8 +43,8 @@ def iso_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
     for name, most in (("trunk", 60), ("head", 85)):
         never(lambda seen, name=name, most=most: seen[name] > most)  # type: ignore[misc]
         never(lambda seen, name=name: seen[name] < 0)  # type: ignore[misc]
-    for name in ("trunk_twist", "trunk_side", "neck_twist", "neck_side"):
-        never(lambda seen, name=name: abs(seen[name]) > 10)  # type: ignore[misc]
+    for name, most in (("trunk_twist", 10), ("trunk_side", 10), ("neck_twist", 45), ("neck_side", 10)):
+        never(lambda seen, name=name, most=most: abs(seen[name]) > most)  # type: ignore[misc]
     never(lambda seen: seen["head"] - seen["trunk"] > 25)
     never(lambda seen: seen["head"] - seen["trunk"] < -5)
     for side in ("right", "left"):
@@ -77,8 +77,8 @@ def en_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
     zone(lambda seen: seen["trunk"] > 60, *far)
     zone(lambda seen: seen["trunk"] < 0, *far)
     zone(lambda seen: seen["head"] > 40 or seen["head"] < 0, *far)
-    for name in ("trunk_twist", "trunk_side", "neck_twist", "neck_side"):
-        zone(lambda seen, name=name: abs(seen[name]) > 10, *far)  # type: ignore[misc]
+    for name, most in (("trunk_twist", 10), ("trunk_side", 10), ("neck_twist", 45), ("neck_side", 10)):
+        zone(lambda seen, name=name, most=most: abs(seen[name]) > most, *far)  # type: ignore[misc]
     for side in ("right", "left"):
         raised = f"{side}_arm_raised"
         zone(lambda seen, key=raised: 20 < seen[key] <= 60, WHILE, (OK, WHILE, NOT))  # type: ignore[misc]

@@ -25,6 +25,8 @@ def interpreted(kernel: Any, **parts: Any) -> FunctionType:
         elif any(names.get(name) is step for step in STEPS):
             store, squares = next(kind for step, kind in STEPS.items() if step is names[name])
             names[name] = simd._interpreted(store, squares)
+        elif names.get(name) is simd.move_along:
+            names[name] = simd._plain_steps
         elif hasattr(names.get(name), "py_func"):
             names[name] = interpreted(names[name], **parts)
     return FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from fatigue_planner.ergonomics import arm_force_field as field
-from fatigue_planner.ergonomics.capability import CapableShare, capable_percent
+from fatigue_planner.ergonomics.indicators.percent_capable import CapableShare, capable_percent
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.result import Assessment, Moment, Origin, Phrase, Span
 from fatigue_planner.human.kinematics import poses_of, tree_of

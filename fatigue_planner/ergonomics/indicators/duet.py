@@ -9,8 +9,7 @@ from pydantic import Field
 
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase
-from fatigue_planner.ergonomics.unknown import Unknown, spanned
+from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase, Unknown, spanned
 
 # Damage of one effort at OMNI-RES 0 to 10.
 DAMAGE = (

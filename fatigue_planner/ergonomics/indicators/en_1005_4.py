@@ -66,6 +66,12 @@ class En10054(HeldPosture):
         description="From where on a twist, a side bend or an arm behind the body counts, in degrees; 10 is clearly "
         "visible.",
     )
+    head_turned_deg: float = Field(
+        default=45,
+        gt=0,
+        lt=90,
+        description="From where on the head counts as turned against the chest, in degrees (recalled).",
+    )
 
     def zones(self, operation: Operation, stated: Circumstances) -> list[Zone]:
         """All zones of an operation."""
@@ -80,7 +86,7 @@ class En10054(HeldPosture):
             Zone("trunk twisted", "", np.abs(seen.trunk_twist_deg) > self.visible_deg, BEYOND),
             Zone("trunk bent sideways", "", np.abs(seen.trunk_side_deg) > self.visible_deg, BEYOND),
             Zone("head inclined", "", (seen.head_deg > 40) | (seen.head_deg < 0), BEYOND),
-            Zone("neck twisted", "", np.abs(seen.neck_twist_deg) > self.visible_deg, BEYOND),
+            Zone("neck twisted", "", np.abs(seen.neck_twist_deg) > self.head_turned_deg, BEYOND),
             Zone("neck bent sideways", "", np.abs(seen.neck_side_deg) > self.visible_deg, BEYOND),
         ]
         for index, side in enumerate(SIDES):
@@ -110,7 +116,10 @@ class En10054(HeldPosture):
     def remarks(self) -> tuple[Phrase, ...]:
         """See HeldPosture.remarks."""
         return (
-            Phrase("Twist, side bend and arms behind the body count from {visible:g}°.", {"visible": self.visible_deg}),
+            Phrase(
+                "Twist, side bend and arms behind the body count from {visible:g}°, a turned head from {head:g}°.",
+                {"visible": self.visible_deg, "head": self.head_turned_deg},
+            ),
             Phrase("A movement is an entry into a zone, counted over the cycle."),
         )
 

@@ -95,6 +95,13 @@ class Iso11226(HeldPosture):
         description="From where on a twist, a side bend, an arm behind or across the body counts, in degrees; the "
         "standard gives no number, 10 is clearly visible.",
     )
+    head_turned_deg: float = Field(
+        default=45,
+        gt=0,
+        lt=90,
+        description="From where on the head counts as turned against the chest, in degrees; the standard gives no "
+        "number, 45 is that of EN 1005-4 (recalled).",
+    )
     extreme_share: float = Field(
         default=0.75,
         gt=0,
@@ -125,7 +132,7 @@ class Iso11226(HeldPosture):
             Zone("head leaning back", "", (seen.head_deg < 0) & (not stated.head_supported), free),
             Zone("neck flexed", "", neck > NECK_DEG[1], free),
             Zone("neck extended", "", (neck < NECK_DEG[0] - BACKWARD_DEG) & (not stated.head_supported), free),
-            Zone("neck twisted", "", np.abs(seen.neck_twist_deg) > self.visible_deg, free),
+            Zone("neck twisted", "", np.abs(seen.neck_twist_deg) > self.head_turned_deg, free),
             Zone("neck bent sideways", "", np.abs(seen.neck_side_deg) > self.visible_deg, free),
         ]
         for index, side in enumerate(SIDES):
@@ -165,9 +172,15 @@ class Iso11226(HeldPosture):
         return (
             Phrase("A posture is held if it lasts for more than {held:g} s.", {"held": HELD_S}),
             Phrase(
-                "Twist, side bend and arms behind or across the body count from {visible:g}°, wrist and forearm from "
-                "{extreme:g} % of their range, knees from {knee:g}°: the standard gives no numbers.",
-                {"visible": self.visible_deg, "extreme": 100 * self.extreme_share, "knee": self.bent_knee_deg},
+                "Twist, side bend and arms behind or across the body count from {visible:g}°, a turned head from "
+                "{head:g}°, wrist and forearm from {extreme:g} % of their range, knees from {knee:g}°: the standard "
+                "gives no numbers.",
+                {
+                    "visible": self.visible_deg,
+                    "head": self.head_turned_deg,
+                    "extreme": 100 * self.extreme_share,
+                    "knee": self.bent_knee_deg,
+                },
             ),
             Phrase("Recovery between holds is not judged."),
         )

@@ -4,8 +4,8 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
-from fatigue_planner.ergonomics.capability import CapableShare
 from fatigue_planner.ergonomics.indicators.niosh_lifting import end_height_m, place_of, work_of
+from fatigue_planner.ergonomics.indicators.percent_capable import CapableShare
 from fatigue_planner.ergonomics.liberty_mutual import EQUATIONS, LEAST_PER_MINUTE, Kind, limits
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.result import Assessment, Moment, Origin, Phrase, Span

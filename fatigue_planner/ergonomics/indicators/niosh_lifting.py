@@ -17,9 +17,8 @@ from fatigue_planner.ergonomics.lifting_equation import (
     multipliers,
 )
 from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase
+from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase, Unknown, spanned
 from fatigue_planner.ergonomics.stated import Shift
-from fatigue_planner.ergonomics.unknown import Unknown, spanned
 from fatigue_planner.human.skeleton import SIDES
 
 # The index up to which lifting is for nearly all, and above which it is a risk for nearly all.

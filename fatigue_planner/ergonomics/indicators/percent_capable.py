@@ -4,18 +4,22 @@ from functools import cache
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
+from scipy.special import ndtr
 
-from fatigue_planner.ergonomics.capability import CapableShare, capable_percent
+from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job
-from fatigue_planner.ergonomics.result import Assessment, Moment, Origin, Phrase, Span
+from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase, Span
 from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES, without_side
 
 Vector = NDArray[np.float64]
 
+# Three quarters of a population is the usual criterion (Snook 1978; NIOSH 1981 and the UAW-GM programme for women). A
+# quarter is the strength limit of NIOSH's 1981 guide for men, above which work is not allowed (recalled).
+ENOUGH, TOO_FEW = 75.0, 25.0
 # Coefficients of variation in the positive and the negative direction. Hip, knee and ankle: Anderson, Madigan &
 # Nussbaum 2007, ages 18 to 25; shoulder and elbow: the arm's, La Delfa & Potvin 2017.
 VARIATION: dict[Sex, dict[str, tuple[float, float]]] = {
@@ -25,6 +29,28 @@ VARIATION: dict[Sex, dict[str, tuple[float, float]]] = {
 ARM, ASSUMED = 0.277, 0.28
 # Whose mean strengths those of a sex are.
 MEAN: dict[Sex, str] = {"male": "average_man", "female": "average_woman"}
+
+
+def capable_percent(load: ArrayLike, mean: ArrayLike, variation: ArrayLike) -> Vector:
+    """The share in % of people whose strength, normal with a mean and a coefficient of variation, reaches a load."""
+    return np.asarray(100 * ndtr((1 - np.asarray(load) / np.asarray(mean)) / np.asarray(variation)))
+
+
+class CapableShare(Indicator):
+    """Methods whose value is a share of people in %: the smaller, the worse."""
+
+    words: ClassVar[tuple[str, str, str]] = (
+        "enough people can do it",
+        "fewer than three quarters can do it",
+        "fewer than a quarter can do it",
+    )
+
+    @staticmethod
+    def level_of(percent: float) -> Level:
+        """The level of a share in %."""
+        if percent < TOO_FEW:
+            return Level.NOT_ACCEPTABLE
+        return Level.INVESTIGATE if percent < ENOUGH else Level.ACCEPTABLE
 
 
 class PercentCapable(CapableShare):

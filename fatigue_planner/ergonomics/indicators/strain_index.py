@@ -9,9 +9,8 @@ from pydantic import Field
 from fatigue_planner.ergonomics.held_posture import working
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase
+from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase, Unknown, spanned
 from fatigue_planner.ergonomics.strain_equation import Effort, composite_index, posture_multiplier, strain_index
-from fatigue_planner.ergonomics.unknown import Unknown, spanned
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 
 # Up to this index a job is usually called safe (recalled).

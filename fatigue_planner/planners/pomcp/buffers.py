@@ -40,7 +40,10 @@ def tables(size: int) -> tuple[Vector, Vector, Vector]:
 
 
 class Workspace(NamedTuple):
-    """Working memory: two states (L,), outcome probabilities (K,), and the path of a descent by depth."""
+    """Working memory: two states (L,), outcome probabilities (K,), and the path of a descent by depth.
+
+    rows: those of the maps, of steps that are known already (`recall`).
+    """
 
     state: Vector
     moved: Vector
@@ -48,6 +51,7 @@ class Workspace(NamedTuple):
     nodes: NDArray[np.uint32]
     actions: NDArray[np.uint32]
     rewards: Vector
+    rows: NDArray[np.int64]
 
 
 def new_workspace(width: int, outcomes: int, capacity: int) -> Workspace:
@@ -60,4 +64,5 @@ def new_workspace(width: int, outcomes: int, capacity: int) -> Workspace:
         path,
         path.copy(),
         np.empty(capacity),
+        np.empty(capacity, np.int64),
     )

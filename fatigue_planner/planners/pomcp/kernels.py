@@ -19,6 +19,15 @@ from fatigue_planner.planners.pomcp.backups import (
     expect_outcomes,
 )
 from fatigue_planner.planners.pomcp.leaf_values import greedy_rollout, no_value, problem_bound, random_rollout
+from fatigue_planner.planners.pomcp.recall import (
+    catch_up,
+    catch_up_with_nothing,
+    keep_nothing,
+    keep_reward,
+    recall_nothing,
+    recall_sure,
+    take_any_step,
+)
 from fatigue_planner.planners.pomcp.rollouts import (
     any_legal,
     bound_until_the_end,
@@ -28,7 +37,7 @@ from fatigue_planner.planners.pomcp.rollouts import (
 )
 from fatigue_planner.planners.pomcp.search import grow
 from fatigue_planner.planners.pomcp.ucb import note_nothing, note_spread, select_fixed, select_scaled
-from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, react_surely
 from fatigue_planner.pomdp.parts import legal_always, terminal_never
 from fatigue_planner.pomdp.problem import Pomdp
 
@@ -132,13 +141,28 @@ def bound_arrays_for(model: Pomdp, leaf_value: LeafValueName) -> Any:
     return model.bound_arrays if leaf_value == "bound" else 0
 
 
+def keeps_rewards(model: Pomdp) -> bool:
+    """Whether nodes keep rewards, as a step that was taken once need not be taken again (`recall`)."""
+    return isinstance(model, FatiguePomdp) and model.is_experts and model.observation_reveals_outcome
+
+
+def steps_of(model: Pomdp) -> Parts:
+    """The parts of a search that take steps."""
+    if keeps_rewards(model):
+        return {"recall": recall_sure, "catch_up": catch_up, "take_step": react_surely, "keep": keep_reward}
+    take_step = specialised(take_any_step, inlined, step=model.parts["step"])
+    return {
+        "recall": recall_nothing, "catch_up": catch_up_with_nothing, "take_step": take_step, "keep": keep_nothing,
+    }  # fmt: skip
+
+
 def search_kernel(model: Pomdp, backup: BackupName, exploration: ExplorationName, leaf_value: LeafValueName) -> Any:
     """`search.grow` for a problem and these parts, compiled."""
     backup_parts, exploration_parts = BACKUPS[backup], EXPLORATIONS[exploration]
     return specialised(
         grow,
         kernel,
-        step=model.parts["step"],
+        **steps_of(model),
         select_action=exploration_parts.select_action,
         note_return=exploration_parts.note_return,
         expect=backup_parts.expect(model),

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from fatigue_planner.core.errors import ProblemError
+from fatigue_planner.core.pcg64 import go_on, words_of
 from fatigue_planner.planners.policy import Decision, Policy, PolicySettings, explained
 from fatigue_planner.planners.pomcp.buffers import TINY, SearchParameters, Workspace, new_workspace, tables
 from fatigue_planner.planners.pomcp.kernels import (
@@ -18,6 +19,7 @@ from fatigue_planner.planners.pomcp.kernels import (
     ExplorationName,
     LeafValueName,
     bound_arrays_for,
+    keeps_rewards,
     search_kernel,
 )
 from fatigue_planner.planners.pomcp.sparse.policy import Search, SparsePolicy, needs_a_sparse_tree
@@ -121,10 +123,14 @@ class PomcpPolicy(Policy):
         constant = max(settings.exploration_constant, TINY)
         bound_arrays = bound_arrays_for(model, settings.leaf_value)
         parameters = SearchParameters(constant, model.discount, settings.rollout_cycles, *self._tables)
+        words = words_of(rng) if model.is_trusted else None  # functions of others may want any kind of number
+        draws = rng if words is None else words
         with model.told:
             depth = self._kernel(
-                model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, rng
+                model.arrays, bound_arrays, belief.states, belief.weights, tree, workspace, descents, parameters, draws
             )
+        if words is not None:
+            go_on(rng, words)
         self._depth = max(self._depth, depth)
         return tree
 
@@ -149,7 +155,7 @@ class PomcpPolicy(Policy):
         if tree is None or used + descents > tree.nodes.size:
             backup, exploration = BACKUPS[settings.backup], EXPLORATIONS[settings.exploration]
             shape = len(model.actions), len(model.observations)
-            record = node_type(*shape, backup.with_chances, exploration.with_spread)
+            record = node_type(*shape, backup.with_chances, exploration.with_spread, keeps_rewards(model))
             capacity = used + descents
             if settings.seconds is not None:
                 capacity = max(capacity, min(MAX_NODES, MAX_BYTES // record.itemsize))
@@ -168,7 +174,8 @@ class PomcpPolicy(Policy):
 
 def _same_task(first: Pomdp, second: Pomdp) -> bool:
     """Whether a tree of one problem can be reused for the other: the same task, perhaps for other workers."""
-    return all(getattr(first, names) == getattr(second, names) for names in ("actions", "outcomes", "observations"))
+    same = all(getattr(first, names) == getattr(second, names) for names in ("actions", "outcomes", "observations"))
+    return same and keeps_rewards(first) == keeps_rewards(second)
 
 
 class PomcpSettings(PolicySettings):

@@ -10,15 +10,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.pcg64 import uniform
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Array, Tree, Vector
-from fatigue_planner.pomdp.problem import draw, step
+from fatigue_planner.pomdp.problem import draw
 
 Node = Any
 
 
 def select_action(node: Node, parameters: SearchParameters) -> int:
     """Placeholder for the exploration rule."""
+    raise NotImplementedError
+
+
+def recall(arrays: Any, nodes: NDArray[Any], node: Node, action: int, workspace: Workspace, depth: int) -> int:
+    """Placeholder for the node behind an action if the step there is known already, else UNVISITED."""
+    raise NotImplementedError
+
+
+def catch_up(arrays: Any, workspace: Workspace, begin: int, end: int) -> None:
+    """Placeholder for bringing `workspace.state` from depth `begin` to depth `end`, along recalled steps."""
+    raise NotImplementedError
+
+
+def take_step(
+    arrays: Any, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
+) -> tuple[int, float, bool]:
+    """Placeholder for a step of the generative model, and whether it always is the same one."""
+    raise NotImplementedError
+
+
+def keep(node: Node, reward: float, always: bool) -> None:
+    """Placeholder for what a node keeps of the step that leads there."""
     raise NotImplementedError
 
 
@@ -67,30 +90,41 @@ def grow(
     """Template: grow a tree by a number of descents from a belief (states (n, L), weights (n,)); its depth.
 
     The tree must have room for as many nodes. Ties go to the first action, so a problem without chance has one
-    tree, whatever the generator (unless leaves are valued by random rollouts).
+    tree, whatever the generator (unless leaves are valued by random rollouts). What a node's next action is depends on
+    the node alone, so it is chosen as soon as a return is backed up, and the next descent need not wait for it.
     """
     nodes, state = tree.nodes, workspace.state
     used = tree.size[0]
     certain = weights.size == 1
     max_depth = 0
     for _ in range(descents):
-        particle = 0 if certain else draw(weights, rng.random())
+        particle = 0 if certain else draw(weights, uniform(rng))
         for j in range(state.size):
             state[j] = states[particle, j]
-        index = np.uint32(0)
-        depth = 0
+        index: Any = np.uint32(0)
+        depth, taken = 0, 0  # the state is the one at depth `taken`
         while True:
             node = nodes[index]
-            action = select_action(node, parameters)
+            action = node.next
+            workspace.nodes[depth], workspace.actions[depth] = index, action
+            if certain:
+                known = recall(arrays, nodes, node, action, workspace, depth)
+                if known != UNVISITED:
+                    index = known
+                    depth += 1
+                    continue
+                catch_up(arrays, workspace, taken, depth)
             expect(arrays, node, action, workspace, certain)
-            node.visited += np.uint32(1)
-            observation, reward = step(arrays, state, action, workspace.probabilities, rng)
-            workspace.nodes[depth], workspace.actions[depth], workspace.rewards[depth] = index, action, reward
+            observation, reward, always = take_step(arrays, state, action, workspace.probabilities, rng)
+            workspace.rewards[depth] = reward
             depth += 1
+            taken = depth
             index = node.child[action, observation]
             if index == UNVISITED:
                 node.child[action, observation] = used
+                keep(nodes[used], reward, always)
                 break
+            keep(nodes[index], reward, always)
         discounted_return = leaf_value(arrays, bound_arrays, workspace, parameters, node.value.size, rng)
         nodes[used].visited = 1
         nodes[used].best = discounted_return
@@ -100,9 +134,11 @@ def grow(
         for level in range(depth - 1, -1, -1):
             node = nodes[workspace.nodes[level]]
             action, reward = workspace.actions[level], workspace.rewards[level]
+            node.visited += np.uint32(1)
             node.tried[action] += np.uint32(1)
             passed_on = back_up(nodes, node, action, reward + parameters.discount * passed_on, parameters)
             discounted_return = reward + parameters.discount * discounted_return
             note_return(node, discounted_return)
+            node.next = select_action(node, parameters)
     tree.size[0] = used
     return max_depth

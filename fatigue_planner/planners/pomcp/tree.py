@@ -4,11 +4,13 @@ A decision node is a history h of (action, observation) pairs; node 0 is the bel
 node h and action a (a chance node) and, where given, observation o:
     value[a]       estimated return of choosing a in h
     best           value of h: of a leaf its leaf value, else what the backup makes of the actions tried
+    next           the action that the next descent chooses in h
     visited        how often h was reached, its creation included; visited - 1 = sum of tried
     tried[a]       how often a was chosen in h
     child[a, o]    the node of history (h, a, o), or UNVISITED
 and, only where a part of the search needs them:
     mean_reward[a], chance[a, o]   known expected reward of a and probability of o (exact backup)
+    reward                         that of the step that leads to h, or NaN (steps that are always the same)
     spread, average                sum of squared deviations and mean of the returns from h (scaled exploration)
 """
 
@@ -35,15 +37,20 @@ class Tree(NamedTuple):
     size: NDArray[np.int64]
 
 
-def node_type(actions: int, observations: int, with_chances: bool, with_spread: bool) -> np.dtype[Any]:
+def node_type(
+    actions: int, observations: int, with_chances: bool, with_spread: bool, with_reward: bool
+) -> np.dtype[Any]:
     """The record of a node. Up to a cache line its size is a power of two, so that none lies across two lines."""
     fields: list[tuple[Any, ...]] = [("value", np.float64, (actions,)), ("best", np.float64)]
     if with_chances:
         fields += [("mean_reward", np.float64, (actions,)), ("chance", np.float64, (actions, observations))]
     if with_spread:
         fields += [("spread", np.float64), ("average", np.float64)]
+    if with_reward:
+        fields += [("reward", np.float64)]
     # unsigned, so that numba knows that no index made of them is negative
-    fields += [("visited", np.uint32), ("tried", np.uint32, (actions,)), ("child", np.uint32, (actions, observations))]
+    fields += [("next", np.uint32), ("visited", np.uint32), ("tried", np.uint32, (actions,))]
+    fields += [("child", np.uint32, (actions, observations))]
     sizes = [np.dtype([field]).itemsize for field in fields]
     size = -(-sum(sizes) // 8) * 8
     return np.dtype(
@@ -78,6 +85,8 @@ def graft(source: Tree, root: int, target: Tree) -> None:
     origin = np.empty(source.size[0], np.uint32)
     used = _order_below(source.nodes, root, origin)
     target.nodes[:used] = source.nodes[origin[:used]]
+    if "reward" in (target.nodes.dtype.names or ()):
+        target.nodes["reward"][:used] = np.nan  # the next belief may be in another state
     _renumber(target.nodes, used)
     target.size[0] = used
 

@@ -15,18 +15,23 @@ from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 MIN_STATES = 8
 
 
+def is_reducible(belief: Belief) -> bool:
+    """Whether a belief in the fatigue problem has fewer states in moments."""
+    model = belief.model
+    assert isinstance(model, FatiguePomdp)
+    many = len(belief.weights) >= max(MIN_STATES, np.unique(belief.states[:, -1]).size + 1)
+    return many and model.arrays.even and model.cost.is_quadratic
+
+
 def belief_in_moments(belief: Belief) -> Belief:
     """The same belief with one state per worker, where all are novices, their cost is quadratic, and states are many.
 
     Planners that only ask for expected rewards, whatever is observed, find the same values in it.
     """
     model = belief.model
-    few = len(belief.weights) < MIN_STATES
-    if few or not (isinstance(model, FatiguePomdp) and model.arrays.even and model.cost.is_quadratic):
+    if not isinstance(model, FatiguePomdp) or not is_reducible(belief):
         return belief
     used, worker = np.unique(belief.states[:, -1].astype(np.intp), return_inverse=True)
-    if used.size == len(belief.weights):
-        return belief
     share = np.zeros((used.size, len(belief.weights)))
     share[worker, np.arange(len(belief.weights))] = belief.weights
     weights = share.sum(axis=1)

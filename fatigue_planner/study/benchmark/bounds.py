@@ -19,7 +19,7 @@ BOUNDS_FILE = "bounds.csv"
 CELL = ["condition", "n_cycles", "policy"]
 BOUND_COLUMNS = ["cost_bound", "exact", "gap", "standard_error", "trials"]
 # What produces a bound besides the scenario: folders and modules of this package.
-SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py")
+SOURCES = ("planners/bounds", "fatigue", "pomdp", "core/jit.py", "core/pcg64.py")
 
 
 @dataclass(frozen=True)

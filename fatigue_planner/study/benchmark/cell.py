@@ -18,7 +18,7 @@ from fatigue_planner.study.benchmark.trial import TrialResult, run_trial
 
 # What produces the numbers of a trial besides its settings and reactions: folders and modules of this package.
 SOURCES = (
-    "core/jit.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
+    "core/jit.py", "core/pcg64.py", "core/random_streams.py", "fatigue", "pomdp", "planners", "study/benchmark/cell.py",
     "study/benchmark/compiled_trials.py", "study/benchmark/trial.py",
 )  # fmt: skip
 # So many trials run together in compiled loops take less than a second.

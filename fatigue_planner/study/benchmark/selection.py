@@ -11,13 +11,14 @@ from fatigue_planner.core.files import DIGEST_LENGTH, digest_of
 from fatigue_planner.experiment.build import scenario
 from fatigue_planner.experiment.schema import Experiment, too_few_descents
 from fatigue_planner.fatigue.model import CycleProfile
-from fatigue_planner.planners.lookahead import LookaheadSettings, ReferenceSettings, check_effort, reference_for
+from fatigue_planner.planners.lookahead import ReferenceSettings, reference_for
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.reaction import ReactionName
 from fatigue_planner.study.benchmark.cell import Cell
+from fatigue_planner.study.benchmark.effort import Lookahead, Search, check_effort
 
 T = TypeVar("T")
 
@@ -102,16 +103,17 @@ def _with_descents(policy: PolicySettings, descents: int | None, n_actions: int)
 def cells(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfile]) -> list[Cell]:
     """The cells of the experiment's grid.
 
-    Raises ExperimentError for a lookahead that could never be waited for, and for a policy that names an action which
-    a condition's worker cannot perform.
+    Raises ExperimentError for a decision that may take longer than the file allows, and for a policy that names an
+    action which a condition's worker cannot perform.
     """
     grid = experiment.benchmark
     scenarios = {name: scenario(experiment, profiles, condition) for name, condition in grid.conditions.items()}
+    planning = {name: policy for name, policy in grid.policies.items() if isinstance(policy, Lookahead | Search)}
+    beliefs = [_initial_belief(scenario_of) for scenario_of in scenarios.values() if planning]
     for name, policy in grid.policies.items():
         _check_actions(name, policy, scenarios)
-        if isinstance(policy, LookaheadSettings):
-            for scenario_of in scenarios.values():
-                check_effort(f"benchmark.policies.{name}", policy, _initial_belief(scenario_of))
+        for belief in beliefs if name in planning else ():
+            check_effort(f"benchmark.policies.{name}", planning[name], belief, grid.max_decision_s)
     return [
         Cell(condition, n_cycles, policy, settings, scenarios[condition], grid.seed, grid.trials)
         for condition in grid.conditions
@@ -133,14 +135,14 @@ def _check_actions(name: str, policy: PolicySettings, scenarios: Mapping[str, Sc
 def references(experiment: Experiment, grid: Sequence[Cell]) -> dict[str, ReferenceSettings]:
     """What the decisions in each condition of a grid are measured against.
 
-    Raises ExperimentError for a reference that could never be waited for.
+    Raises ExperimentError for a reference that may take longer than the file allows.
     """
     chosen = experiment.benchmark.reference
     found = {}
     for name, scenario_of in {cell.condition: cell.scenario for cell in grid}.items():
         belief = _initial_belief(scenario_of)
         if chosen is not None:
-            check_effort("benchmark.reference", chosen, belief)
+            check_effort("benchmark.reference", chosen, belief, experiment.benchmark.max_decision_s)
         found[name] = chosen or reference_for(belief)
     return found
 
