@@ -60,7 +60,7 @@ def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: C
 
 def _settings_of(found: StoredAssessment, wording: Wording) -> dict[str, Any]:
     """What decides of a station file; workers are called as on the page."""
-    settings = {key: value for key, value in found.station.items() if key != "about"}
+    settings = {key: value for key, value in found.station.items() if key not in ("name", "about")}
     return settings | {"workers": {wording.worker(name): each for name, each in settings.get("workers", {}).items()}}
 
 
@@ -184,7 +184,7 @@ def comparison_page(found: StationComparison) -> str:
         old=before.version, new=after.version,
     )  # fmt: skip
     better, worse = (sum(each.verdict == which for each in found.places) for which in (BETTER, WORSE))
-    verdict = wording.say("{better} places better, {worse} worse.", better=better, worse=worse)
+    verdict = wording.say("Places: {better} better, {worse} worse.", better=better, worse=worse)
     return render(wording, title, footer, ("", verdict), parts_of(found), [])
 
 
