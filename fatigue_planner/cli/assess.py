@@ -26,6 +26,7 @@ def assess(
     changes: Annotated[
         bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
     ] = False,
+    language: Annotated[str, typer.Option("--language", help="Language of the page: en or de.")] = "en",
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     jobs: options.Jobs = options.ALL_CORES,
@@ -34,10 +35,14 @@ def assess(
     """Assess a STATION: who can work where, what is not acceptable by which rule, and which place is best.
 
     Every worker does every operation at every place in every way. What cannot be reached, or only as nobody would work,
-    is an answer, not an error. Files in the results folder: assessment.json, places.csv, outcomes.csv, indicators.csv.
+    is an answer, not an error. Files in the results folder: assess.html, a page to hand on; assessment.json,
+    places.csv, outcomes.csv and indicators.csv.
     `fatplan init --station NAME` writes a station to fill in.
     """
-    from fatigue_planner.core.files import writable_folder
+    from fatigue_planner.core.files import publish_text, writable_folder
+    from fatigue_planner.output.reports.station.catalogue import catalogue_of
+    from fatigue_planner.output.reports.station.page import PAGE, pictured, station_page
+    from fatigue_planner.output.reports.station.pictures import postures_of
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.assess import assess as assess_station
     from fatigue_planner.station.changes import changed_stations
@@ -45,6 +50,7 @@ def assess(
     from fatigue_planner.station.outcomes import tasks_of
     from fatigue_planner.station.tables import plain, write
 
+    texts = catalogue_of(language)
     settings = load_station(station)
     if explain:
         _explain(settings, as_json)
@@ -60,7 +66,9 @@ def assess(
         )
     warn(store.damaged)
     document = plain(found)
-    files = write(found, folder, options.json_text(document))
+    page = station_page(found, postures_of(found, pictured(found), store, command), texts)
+    files = [folder / PAGE, *write(found, folder, options.json_text(document))]
+    publish_text(files[0], page)
     options.present(document | {"files": files}, "\n".join([*_text(found), "", _written(folder, files)]), as_json)
 
 

@@ -84,6 +84,18 @@ def test_who_of_the_population_reaches(document: dict[str, Any]) -> None:
     assert shares["floor", "female"]["strong_share"] < shares["floor", "male"]["strong_share"] < 1
 
 
+@pytest.mark.parametrize("language", ["de", "en"])
+def test_the_page_lies_beside_the_files(document: dict[str, Any], folder: Path, language: str) -> None:
+    done = fatplan("assess", "line.yaml", "--language", language, cwd=folder)
+    assert done.returncode == 0 and "assess.html" in done.stdout
+    page = (folder / "results" / "car_line" / "assess.html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>") and f'<html lang="{language}">' in page and len(page) < 3_000_000
+    assert not any(name in page for name in document["station"]["workers"])
+    places, tables = len([each for each in document["places"] if each["way"]]), page.count("<table")
+    assert page.count("<svg") == places + 3  # those of the first side, one of each place, come again
+    assert tables > 10 and document["station_digest"][:16] in page
+
+
 def test_the_files_hold_the_same_and_a_second_run_too(document: dict[str, Any], folder: Path) -> None:
     results = folder / "results" / "car_line"
     written = json.loads((results / "assessment.json").read_text(encoding="utf-8"))

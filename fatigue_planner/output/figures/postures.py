@@ -28,7 +28,7 @@ Vector = NDArray[np.float64]
 FEW = 9
 WIDEST = 15
 # (from, to, radius as a share of stature); the radii are for the eye only.
-_CAPSULES = (
+CAPSULES = (
     ("pelvis", "abdomen", 0.062), ("abdomen", "thorax", 0.066), ("thorax", "shoulders", 0.070),
     ("neck", "head", 0.030), ("right_thigh", "left_thigh", 0.050), ("right_upper_arm", "left_upper_arm", 0.034),
     *((f"{side}_{start}", f"{side}_{end}", radius) for side in SIDES for start, end, radius in (
@@ -79,7 +79,7 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
 
     axes.axhline(0, color="0.6", linewidth=0.8, zorder=0)
     head = ("head_centre", "head_centre", 0.060)
-    for start, end, radius in sorted([*_CAPSULES, head], key=nearness):
+    for start, end, radius in sorted([*CAPSULES, head], key=nearness):
         colour = _RIGHT if start.startswith("right") and end.startswith("right") else _BODY
         outline = _capsule(flat(points[start]), flat(points[end]), radius * stature)
         axes.fill(*outline.T, facecolor=colour, edgecolor="white", linewidth=0.8)

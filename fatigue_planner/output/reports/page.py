@@ -98,11 +98,11 @@ def _template() -> Template:
     loader = PackageLoader("fatigue_planner.output.reports", "")
     environment = Environment(loader=loader, autoescape=select_autoescape(["j2"]), undefined=StrictUndefined)
     environment.trim_blocks = environment.lstrip_blocks = True
-    environment.filters |= {"prose": _prose, "base64": _base64, "kind": lambda block: type(block).__name__}
+    environment.filters |= {"prose": prose, "base64": _base64, "kind": lambda block: type(block).__name__}
     return environment.get_template("page.html.j2")
 
 
-def _prose(words: str) -> Markup:
+def prose(words: str) -> Markup:
     """Text in which `names` stand out; a per cent sign stays with its number where a line breaks."""
     return Markup(_CODE.sub(r"<code>\1</code>", str(escape(words)).replace(" %", "\u00a0%")))
 

@@ -53,8 +53,8 @@ def compare(first: Path, second: Path) -> FolderComparison:
     cells, other_cells = (_cells(table) for table in (trials, other_trials))
     return FolderComparison(
         names=(str(first), str(second)),
-        settings=_differences(_flat(_relevant(note)), _flat(_relevant(other_note))),
-        versions=_differences(note.versions, other_note.versions),
+        settings=differences(flat(_relevant(note)), flat(_relevant(other_note))),
+        versions=differences(note.versions, other_note.versions),
         contrasts=side_by_side(trials, other_trials, settings, note.seed),
         same_worlds=note.seed == other_note.seed,
         only=([c for c in cells if c not in other_cells], [c for c in other_cells if c not in cells]),
@@ -80,7 +80,7 @@ def _relevant(note: BenchmarkNote) -> dict[str, Any]:
     return {key: value for key, value in note.experiment.items() if key not in IRRELEVANT}
 
 
-def _flat(value: Any, key: str = "") -> dict[str, str]:
+def flat(value: Any, key: str = "") -> dict[str, str]:
     """The leaves of nested settings as text, by dotted key; what is listed and has parts of its own has its index."""
     if isinstance(value, dict) and value:
         parts = {f"{key}.{name}" if key else name: part for name, part in value.items()}
@@ -90,10 +90,11 @@ def _flat(value: Any, key: str = "") -> dict[str, str]:
         return {key: value}
     else:
         return {key: json.dumps(value, ensure_ascii=False) if value not in (None, {}, []) else "none"}
-    return {name: text for path, part in parts.items() for name, text in _flat(part, path).items()}
+    return {name: text for path, part in parts.items() for name, text in flat(part, path).items()}
 
 
-def _differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+def differences(first: Mapping[str, str], second: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+    """What differs between two sets of leaves, by key: in the first, in the second."""
     names = dict.fromkeys([*first, *second])
     both = {name: (first.get(name, "–"), second.get(name, "–")) for name in names}
     return {name: values for name, values in both.items() if values[0] != values[1]}

@@ -1,0 +1,196 @@
+"""Two assessments of a station side by side: what got better and what got worse, in the words of its page."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.output.reports.page import Table, Text
+from fatigue_planner.output.reports.results.compare import differences, flat
+from fatigue_planner.output.reports.station.blocks import Group, Groups, Part, table
+from fatigue_planner.output.reports.station.catalogue import Catalogue
+from fatigue_planner.output.reports.station.page import render
+from fatigue_planner.output.reports.station.stored import StoredAssessment, StoredCycle, StoredPlace
+from fatigue_planner.output.reports.station.wording import Wording
+from fatigue_planner.station.statements import joint_name
+
+# Fatigue that differs by less than half of the last digit that is shown is the same.
+SAME_PEAK = 0.005
+BETTER, SAME, WORSE, ONLY = "better", "the same", "worse", "in one of them only"
+# Beyond any level: a place that nobody reaches, or a cycle that a worker cannot do.
+_NOBODY = max(Level) + 1
+
+
+class Row(NamedTuple):
+    """Something before and after: what it is, in words, and whether it got better."""
+
+    what: tuple[str, ...]
+    before: str
+    after: str
+    verdict: str
+
+
+@dataclass(frozen=True)
+class StationComparison:
+    """Two assessments: rows of places (operation, place) and of whole cycles (worker), and the settings that differ."""
+
+    before: StoredAssessment
+    after: StoredAssessment
+    wording: Wording
+    places: tuple[Row, ...]
+    cycles: tuple[Row, ...]
+    settings: dict[str, tuple[str, str]]
+
+
+def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: Catalogue) -> StationComparison:
+    """What tells two assessments apart. Workers and places are the same if their names are."""
+    workers = {each.name: each for each in (*before.workers, *after.workers)}
+    wording = Wording(texts, list(workers.values()))
+    old, new = ({(each.operation, each.place): each for each in found.summaries} for found in (before, after))
+    was, now = ({each.worker: each for each in found.cycles} for found in (before, after))
+    return StationComparison(
+        before,
+        after,
+        wording,
+        tuple(_place_row(wording, key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])),
+        tuple(_cycle_row(wording, name, was.get(name), now.get(name)) for name in workers),
+        differences(*(flat(_settings_of(found, wording)) for found in (before, after))),
+    )
+
+
+def _settings_of(found: StoredAssessment, wording: Wording) -> dict[str, Any]:
+    """What decides of a station file; workers are called as on the page."""
+    settings = {key: value for key, value in found.station.items() if key not in ("name", "about")}
+    return settings | {"workers": {wording.worker(name): each for name, each in settings.get("workers", {}).items()}}
+
+
+def _place_row(wording: Wording, key: tuple[str, str], before: StoredPlace | None, after: StoredPlace | None) -> Row:
+    words = ["–" if each is None else _place_words(wording, each) for each in (before, after)]
+    return Row(tuple(map(wording.name, key)), words[0], words[1], _place_verdict(before, after))
+
+
+def _cycle_row(wording: Wording, name: str, before: StoredCycle | None, after: StoredCycle | None) -> Row:
+    words = [_cycle_words(wording, each) for each in (before, after)]
+    return Row((wording.worker(name),), words[0], words[1], _cycle_verdict(before, after))
+
+
+def _place_words(wording: Wording, found: StoredPlace) -> str:
+    parts = []
+    if found.seconds:
+        parts.append(wording.say("{seconds:.0f} s above the rule", seconds=found.seconds))
+    if found.missed_by:
+        parts.append(wording.say("cannot: {workers}", workers=wording.workers(found.missed_by)))
+    parts += _fatigue_words(wording, found.peak, found.entry)
+    return ": ".join(filter(None, [wording.light(found.grade(), wording.say("not reached")), "; ".join(parts)]))
+
+
+def _cycle_words(wording: Wording, found: StoredCycle | None) -> str:
+    if found is None:
+        return wording.light(None, wording.say("cannot do all operations"))
+    fatigue = _fatigue_words(wording, found.fatigue.peak, found.fatigue.entry)
+    return ": ".join([wording.light(found.grade()), *fatigue])
+
+
+def _fatigue_words(wording: Wording, peak: float | None, entry: str) -> list[str]:
+    if peak is None or not entry:
+        return []
+    return [wording.say("{joint} loses {peak:.0%}", joint=wording.catalogue.term(joint_name(entry)), peak=peak)]
+
+
+def _place_verdict(before: StoredPlace | None, after: StoredPlace | None) -> str:
+    if before is None or after is None:
+        return ONLY
+    old, new = ((len(each.missed_by), _grade(each.grade()), round(each.seconds)) for each in (before, after))
+    return _verdict(old, new, before.peak, after.peak)
+
+
+def _cycle_verdict(before: StoredCycle | None, after: StoredCycle | None) -> str:
+    old, new = ((_NOBODY if each is None else _grade(each.grade()),) for each in (before, after))
+    peaks = [None if each is None else each.fatigue.peak for each in (before, after)]
+    return _verdict(old, new, *peaks)
+
+
+def _grade(level: Level | None) -> int:
+    return _NOBODY if level is None else int(level)
+
+
+def _verdict(before: Sequence[int], after: Sequence[int], peak: float | None, peak_after: float | None) -> str:
+    """Who cannot counts first, then the level, the seconds above the rule, and the fatigue."""
+    if tuple(before) != tuple(after):
+        return BETTER if tuple(after) < tuple(before) else WORSE
+    if peak is None or peak_after is None or abs(peak - peak_after) < SAME_PEAK:
+        return SAME
+    return BETTER if peak_after < peak else WORSE
+
+
+def parts_of(found: StationComparison) -> list[Part]:
+    """What got better and worse, then all rows, then what was changed."""
+    say = found.wording.say
+    return [
+        Part(say("In short"), [Groups([Group(title, items) for title, items in _short(found)])]),
+        Part(
+            say("Places"),
+            [_table(found, "Every place, for the worst of the workers.", ["Operation", "Place"], found.places)],
+        ),
+        Part(say("The cycle as a whole"), [_table(found, "The cycle of every worker.", ["Worker"], found.cycles)]),
+        Part(say("What was changed"), [_settings(found)]),
+    ]
+
+
+def _short(found: StationComparison) -> Iterator[tuple[str, list[str]]]:
+    say = found.wording.say
+    rows = [*found.places, *found.cycles]
+    for verdict, title in ((BETTER, say("What got better")), (WORSE, say("What got worse"))):
+        mine = [each for each in rows if each.verdict == verdict]
+        items = [f"{', '.join(each.what)}: {_plain(each.before)} → {_plain(each.after)}" for each in mine]
+        yield title, items or [say("Nothing.")]
+    old, new = (_recommended(found, each) for each in (found.before, found.after))
+    yield say("Recommended"), [f"{say('Before')}: {old}", f"{say('After')}: {new}"]
+
+
+def _plain(text: str) -> str:
+    """Words without the sign before them."""
+    return text[2:] if text[1:2] == " " else text
+
+
+def _recommended(found: StationComparison, assessment: StoredAssessment) -> str:
+    places = assessment.best.places
+    if not places:
+        return found.wording.say("No cycle is recommended.")
+    return ", ".join(f"{found.wording.name(key)} – {found.wording.name(place)}" for key, place in places.items())
+
+
+def _table(found: StationComparison, caption: str, what: Sequence[str], rows: Sequence[Row]) -> Table:
+    say = found.wording.say
+    content = [[*each.what, each.before, each.after, say(each.verdict)] for each in rows]
+    return table(found.wording, caption, [*what, "Before", "After", "Verdict"], content)
+
+
+def _settings(found: StationComparison) -> Table | Text:
+    if not found.settings:
+        return Text(found.wording.say("The stations are the same."))
+    rows = [[f"`{name}`", *values] for name, values in found.settings.items()]
+    return table(found.wording, "Keys of the station file that differ.", ["Key", "Before", "After"], rows)
+
+
+def comparison_page(found: StationComparison) -> str:
+    """The comparison as a page."""
+    wording, (before, after) = found.wording, (found.before, found.after)
+    text = "Workstation {name}: before and after"
+    title = wording.say(text, name=wording.name(str(after.station.get("name", ""))))
+    footer = wording.say(
+        "Station files {before} (before) and {after} (after); fatplan {old} and {new}.",
+        before=f"`{before.station_digest[:16]}`", after=f"`{after.station_digest[:16]}`",
+        old=before.version, new=after.version,
+    )  # fmt: skip
+    better, worse = (sum(each.verdict == which for each in found.places) for which in (BETTER, WORSE))
+    verdict = wording.say("Places: {better} better, {worse} worse.", better=better, worse=worse)
+    return render(wording, title, footer, ("", verdict), parts_of(found), [])
+
+
+def comparison_text(found: StationComparison) -> str:
+    """The comparison as lines of text."""
+    lines = []
+    for title, items in _short(found):
+        lines += [f"{title}:", *(f"  {item}" for item in items)]
+    return "\n".join(lines) + "\n"
