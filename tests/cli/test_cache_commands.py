@@ -36,6 +36,7 @@ def cache(cache_folder: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(cache_folder, tmp_path / "cache"))
 
 
+@pytest.mark.slow
 def test_verify_checks_everything_again(cache: Path, reactions: tuple[Reaction, ...]) -> None:
     text = told(0, "verify", "--cache", cache)
     assert "4 reactions: 0 ok, 4 implausible, 0 degraded, 0 failed, 0 damaged, 0 of other versions" in text

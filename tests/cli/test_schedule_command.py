@@ -24,6 +24,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
+@pytest.mark.slow
 def test_the_numbers_are_those_of_the_same_runs_made_otherwise(
     paper: Experiment, reactions: tuple[Reaction, ...], cache_folder: Path, tmp_path: Path
 ) -> None:

@@ -26,6 +26,7 @@ def goal_at(x: float, y: float, z: float, turned: Orientation | None = None) -> 
     return Action(right_hand=HandGoal(position_m=Position(x=x, y=y, z=z), orientation_deg=turned))
 
 
+@pytest.mark.slow
 def test_a_load_that_is_too_heavy(brisk: MotionRequest) -> None:
     heavy = replace(brisk, tool=brisk.tool.model_copy(update={"mass_kg": 28.0}))
     told = simulate_and_measure(heavy)

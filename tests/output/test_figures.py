@@ -71,6 +71,7 @@ def drawn(folder: Path, cwd: Path, **environment: str) -> dict[str, str]:
     return digests(folder)
 
 
+@pytest.mark.slow
 def test_no_ambient_setting_changes_or_breaks_a_figure(tmp_path: Path) -> None:
     hostile = tmp_path / "hostile"
     hostile.mkdir()

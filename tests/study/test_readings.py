@@ -95,6 +95,7 @@ def test_the_readings_that_ship_are_twelve_that_can_all_be_built() -> None:
     assert len({factor.argument(level) for level in factor.all_levels()}) == 12
 
 
+@pytest.mark.slow
 def test_shares_of_the_cost_are_those_of_the_runs(tmp_path: Path, cache_folder: Path) -> None:
     """The joints' parts of Eq. 5 add up to the cost that the runs reported, with the discount of the reading."""
     study = load_study(write(tmp_path))

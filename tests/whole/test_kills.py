@@ -18,6 +18,8 @@ from stored_files import assert_whole, visible
 from fatigue_planner.core.files import LEFT_BEHIND_AFTER_S, left_behind, remove_left_behind
 
 FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run()"]
+# How often each command is killed, at most so often in a row before it may end.
+KILLS, IN_A_ROW = 102, 6
 
 
 class Command:
@@ -81,20 +83,18 @@ def commands(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Command]:
     return {"simulate": simulate, "benchmark": Command(benchmark, "--results", folder / "benchmark")}
 
 
-@pytest.mark.parametrize(
-    ("kills", "in_a_row"), [(5, 5), pytest.param(102, 6, marks=pytest.mark.slow)], ids=["few", "many"]
-)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["simulate", "benchmark"])
 def test_a_run_killed_at_any_moment_goes_on_to_the_same_bytes(
-    name: str, kills: int, in_a_row: int, commands: dict[str, Command], tmp_path: Path
+    name: str, commands: dict[str, Command], tmp_path: Path
 ) -> None:
     """Killed several times in a row, then left alone; what a kill leaves is whole and is kept by the next run."""
     command = commands[name]
-    moment = random.Random(1000 * kills + len(name))
+    moment = random.Random(1000 * KILLS + len(name))
     done = 0
-    while done < kills:
+    while done < KILLS:
         folder = tmp_path / str(done)
-        for _ in range(min(in_a_row, kills - done)):
+        for _ in range(min(IN_A_ROW, KILLS - done)):
             before = visible(folder)
             if not command.kill(folder, moment.random()):
                 break
