@@ -83,7 +83,7 @@ class LookaheadPolicy(Policy):
                 raise ProblemError(
                     "lookahead goes through every observation; this problem's are continuous: use pomcpow."
                 )
-            self._model, self._kernel = model, lookahead_kernel(model, settings.leaf_value)
+            self._model, self._kernel, self._memory = model, lookahead_kernel(model, settings.leaf_value), None
         else:
             model.check_again(belief.states)
         if settings.leaf_value in DRAWS_NOTHING:

@@ -177,6 +177,19 @@ def test_a_policy_that_meets_another_problem_starts_with_memory_of_its_own() -> 
     assert decision.visits.shape == (2,) and decision.visits.sum() == 50
 
 
+def test_a_lookahead_that_meets_another_problem_starts_with_memory_of_its_own() -> None:
+    """Two problems of one size, but the beliefs of the second grow, as its observations tell less."""
+    settings, rng = LookaheadSettings(kind="lookahead", depth=3), np.random.default_rng(3)
+    policy = LookaheadPolicy(settings)
+    revealing, doubtful = (
+        table_belief(random_tables(1, actions=2, states=2, horizon=4, revealed=revealed), [0.5, 0.5])
+        for revealed in (True, False)
+    )
+    policy.values(revealing, rng)
+    assert policy.values(doubtful, rng).tolist() == LookaheadPolicy(settings).values(doubtful, rng).tolist()
+    assert policy._memory is not None and len(policy._memory[0].weights) == 2 + 4 + 8 + 16
+
+
 def test_a_search_with_a_time_limit_never_copies_its_tree() -> None:
     """Its memory is there from the start, so that no decision is late because the tree has grown."""
     policy = PomcpPolicy(PomcpSettings(kind="pomcp", backup="mean", exploration_constant=0.1, seconds=0.02))
