@@ -139,6 +139,37 @@ def test_en_counts_how_often_a_zone_is_entered(paper: Experiment, reactions: tup
     assert one(En10054(), twice, cycle_s=60).times == pytest.approx((26, 0, 6))
 
 
+@pytest.mark.parametrize("seconds", [3.9, 5.0])
+def test_en_judges_a_hold_by_how_often_it_is_entered_too(
+    paper: Experiment, reactions: tuple[Reaction, ...], seconds: float
+) -> None:
+    """A trunk at 40 degrees 3 times a minute is not acceptable, and does not get better if it is held there."""
+    posture = dict.fromkeys((*HIPS, "right_shoulder_flexion", "left_shoulder_flexion"), 40.0) | {"neck_flexion": -4.0}
+    bent, upright = (standing(paper, reactions[0].motion, **each).configuration for each in (posture, {}))
+    ticks = round(100 * seconds)
+    motion = replace(
+        reactions[0].motion, configuration=np.vstack([upright[:500], bent[:ticks], upright[500 + ticks :]])
+    )
+    operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
+    assert one(En10054(), operation, cycle_s=20).times == pytest.approx((16 - seconds, 0, seconds))
+    assert one(En10054(), operation, cycle_s=60).levels == ((Level(seconds > 4),) * 2)
+
+
+def test_en_counts_one_movement_through_a_zone_and_back_once(
+    paper: Experiment, reactions: tuple[Reaction, ...]
+) -> None:
+    """An arm goes to 75 degrees by way of 50 and back: 1.5 times a minute is seldom, twice that would not be."""
+    high, middle, low = (
+        standing(paper, reactions[0].motion, right_shoulder_flexion=degrees).configuration
+        for degrees in (75.0, 50.0, 0.0)
+    )
+    parts = [low[:500], middle[:100], high[:200], middle[:100], low[:700]]
+    motion = replace(reactions[0].motion, configuration=np.vstack(parts))
+    operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
+    assert one(En10054(), operation, cycle_s=40).times == pytest.approx((14, 2, 0))
+    assert one(En10054(), operation, cycle_s=20).times == pytest.approx((12, 2, 2))
+
+
 def test_a_raised_shoulder_is_asked_for(reactions: tuple[Reaction, ...]) -> None:
     """high/arm: what is not acceptable grows to all of the work, 6 s, beside what is so already."""
     found = one(Iso11226(), Operation.of(reactions[0]))

@@ -64,16 +64,22 @@ def en_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
     levels = [OK] * len(motion)
     cycle_s = len(motion) * step_s
 
-    def zone(condition: Callable[[Seen], bool], when_held: int, by_frequency: tuple[int, int, int]) -> None:
+    def zone(
+        condition: Callable[[Seen], bool],
+        when_held: int,
+        by_frequency: tuple[int, int, int],
+        moved_beyond: Callable[[Seen], bool] | None = None,
+    ) -> None:
         found = list(stretches([condition(seen) for seen in motion]))
-        per_minute = len(found) / cycle_s * 60
+        movements = list(stretches([(moved_beyond or condition)(seen) for seen in motion]))
+        per_minute = len(movements) / cycle_s * 60
         moved = by_frequency[0 if per_minute < 2 else 1 if per_minute < 10 else 2]
         for stretch in found:
             for index in stretch:
-                levels[index] = max(levels[index], when_held if len(stretch) * step_s > 4 else moved)
+                levels[index] = max(levels[index], moved, when_held if len(stretch) * step_s > 4 else OK)
 
     far = (NOT, (WHILE, NOT, NOT))
-    zone(lambda seen: 20 < seen["trunk"] <= 60, WHILE, (OK, NOT, NOT))
+    zone(lambda seen: 20 < seen["trunk"] <= 60, WHILE, (OK, NOT, NOT), lambda seen: seen["trunk"] > 20)
     zone(lambda seen: seen["trunk"] > 60, *far)
     zone(lambda seen: seen["trunk"] < 0, *far)
     zone(lambda seen: seen["head"] > 40 or seen["head"] < 0, *far)
@@ -81,7 +87,12 @@ def en_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
         zone(lambda seen, name=name, most=most: abs(seen[name]) > most, *far)  # type: ignore[misc]
     for side in ("right", "left"):
         raised = f"{side}_arm_raised"
-        zone(lambda seen, key=raised: 20 < seen[key] <= 60, WHILE, (OK, WHILE, NOT))  # type: ignore[misc]
+        zone(
+            lambda seen, key=raised: 20 < seen[key] <= 60,  # type: ignore[misc]
+            WHILE,
+            (OK, WHILE, NOT),
+            lambda seen, key=raised: seen[key] > 20,  # type: ignore[misc]
+        )
         zone(lambda seen, key=raised: seen[key] > 60, *far)  # type: ignore[misc]
         zone(lambda seen, key=f"{side}_arm_forward": seen[key] < -10, *far)  # type: ignore[misc]
     return levels

@@ -38,19 +38,29 @@ SHRUGGED = Rule(NOT, NOT, NOT)
 
 
 class Zone(NamedTuple):
-    """Where a part of the body is in a zone, (n,), and the rule on it."""
+    """Where a part of the body is in a zone, (n,), the rule on it, and what a movement enters if it is more than that.
+
+    counted (n,): who goes through a zone and back has moved once, so entries into it and what is beyond are counted.
+    """
 
     part: str
     side: str
     inside: NDArray[np.bool_]
     rule: Rule
+    counted: NDArray[np.bool_] | None = None
+
+    @property
+    def entries(self) -> int:
+        """How often the zone is entered from below."""
+        return len(runs(self.inside if self.counted is None else self.counted)[0])
 
 
 class En10054(HeldPosture):
     """EN 1005-4: seconds per cycle in zones that are not acceptable as they are held or entered so often.
 
-    How often is counted over the cycle: a movement is an entry into the zone. If the length of the cycle is not stated,
-    the operations follow each other without a pause.
+    How often is counted over the cycle: a movement is an entry into the zone; what is held and entered so often is
+    judged by the worse of both. If the length of the cycle is not stated, the operations follow each other without a
+    pause.
     """
 
     title: ClassVar[str] = "EN 1005-4"
@@ -80,7 +90,7 @@ class En10054(HeldPosture):
         between = BETWEEN_SUPPORTED if stated.trunk_supported else BETWEEN
         arm_between = ARM_BETWEEN_SUPPORTED if stated.arm_supported else ARM_BETWEEN
         found = [
-            Zone("trunk inclined", "", (trunk > 20) & (trunk <= 60), between),
+            Zone("trunk inclined", "", (trunk > 20) & (trunk <= 60), between, trunk > 20),
             Zone("trunk inclined far", "", trunk > 60, BEYOND),
             Zone("trunk leaning back", "", trunk < 0, BETWEEN_SUPPORTED if stated.trunk_supported else BEYOND),
             Zone("trunk twisted", "", np.abs(seen.trunk_twist_deg) > self.visible_deg, BEYOND),
@@ -93,7 +103,7 @@ class En10054(HeldPosture):
             raised = arm[:, index]
             shoulder = bool(stated.shoulder_raised) and side in operation.request.action.goals()
             found += [
-                Zone("upper arm raised", side, (raised > 20) & (raised <= 60), arm_between),
+                Zone("upper arm raised", side, (raised > 20) & (raised <= 60), arm_between, raised > 20),
                 Zone("upper arm raised far", side, raised > 60, BEYOND),
                 Zone("upper arm behind the body", side, seen.arm_forward_deg[:, index] < -self.visible_deg, BEYOND),
                 Zone("shoulder raised", side, working(operation) & shoulder, SHRUGGED),
@@ -106,7 +116,7 @@ class En10054(HeldPosture):
         entries: defaultdict[tuple[str, str], float] = defaultdict(float)
         for operation, found in zip(job.operations, zones, strict=True):
             for zone in found:
-                entries[zone.part, zone.side] += len(runs(zone.inside)[0]) * operation.stated.times_per_cycle
+                entries[zone.part, zone.side] += zone.entries * operation.stated.times_per_cycle
         per_minute = {name: 60 * count / job.cycle_s for name, count in entries.items()}
         return [
             [Judged(zone.part, zone.side, _level(zone, per_minute[zone.part, zone.side], operation)) for zone in found]
@@ -131,5 +141,5 @@ def _level(zone: Zone, per_minute: float, operation: Operation) -> NDArray[np.in
     level = np.where(zone.inside, int(moved), 0)
     for first, last in zip(*runs(zone.inside), strict=True):
         if (last - first) * operation.posture.step_s > HELD_S:
-            level[first:last] = zone.rule.held
+            level[first:last] = max(zone.rule.held, moved)
     return level
