@@ -111,6 +111,19 @@ def test_a_hold_that_uses_up_its_time_is_not_acceptable(paper: Experiment, react
     assert longer.parts == {"right upper arm raised": pytest.approx(96)}
 
 
+def test_a_brief_rise_is_no_rest(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """50 degrees for 80 s, 62 for 3 s, 50 for 77 s is one hold of 160 s; with the arm down in between, it is two."""
+    at = {
+        degrees: standing(paper, reactions[0].motion, right_shoulder_flexion=degrees).configuration
+        for degrees in (50.0, 62.0, 0.0)
+    }
+    for between, expected in ((62.0, (0, 0, 160)), (0.0, (3, 157, 0))):
+        configuration = np.vstack([at[50.0][:800], at[between][:30], at[50.0][:770]])
+        motion = replace(reactions[0].motion, configuration=configuration, time_step_s=0.1)
+        operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
+        assert one(Iso11226(), operation).times == pytest.approx(expected)
+
+
 def test_what_passes_is_not_held(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """An arm above 60 degrees for 4 s passes; for 4.1 s it is held."""
     up, down = (

@@ -28,13 +28,14 @@ def iso_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
                     levels[index] = NOT
 
     def a_while(angle: str, free: float, most: float, longest_s: float) -> None:
-        """Within these angles, up to a time that falls to a minute."""
-        for stretch in stretches([free < seen[angle] <= most for seen in motion]):
+        """Beyond the free angle, up to a time that falls to a minute at the largest and stays so."""
+        for stretch in stretches([free < seen[angle] for seen in motion]):
             if len(stretch) * step_s <= 4:
                 continue
             used = 0.0
             for index in stretch:
-                used += step_s / (60 + (longest_s - 60) * (most - motion[index][angle]) / (most - free))
+                below = most - min(most, motion[index][angle])
+                used += step_s / (60 + (longest_s - 60) * below / (most - free))
             for index in stretch:
                 levels[index] = max(levels[index], NOT if used > 1 else WHILE)
 

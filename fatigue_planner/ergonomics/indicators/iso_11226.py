@@ -39,9 +39,11 @@ class Line(NamedTuple):
         return np.where(angle_deg <= self.free_deg, np.inf, np.where(angle_deg > self.most_deg, 0.0, time))
 
 
-TRUNK = Line(20, 60, 240, 60)
-HEAD = Line(25, 85, 480, 60)
-UPPER_ARM = Line(20, 60, 180, 60)
+# All lines end here, in s.
+SHORTEST_S = 60.0
+TRUNK = Line(20, 60, 240, SHORTEST_S)
+HEAD = Line(25, 85, 480, SHORTEST_S)
+UPPER_ARM = Line(20, 60, 180, SHORTEST_S)
 # Flexion of the neck: head less trunk.
 NECK_DEG = (0.0, 25.0)
 
@@ -190,12 +192,13 @@ def held(zone: Zone, step_s: float) -> Integers:
     """The level of a zone at every instant, (n,): what lasts for more than 4 s without a break is held.
 
     Where the angle changes during a hold, each instant uses up its share of the holding time at its angle (assumed; of
-    an angle that stays it is the standard's rule). A hold that uses up more than all is not acceptable.
+    an angle that stays it is the standard's rule), beyond the largest angle that of the shortest time. A hold that uses up
+    more than all is not acceptable.
     """
     level = np.zeros(len(zone.beyond), dtype=np.int64)
-    for first, last in zip(*runs(np.isfinite(zone.holding_s) & (zone.holding_s > 0)), strict=True):
+    for first, last in zip(*runs(np.isfinite(zone.holding_s)), strict=True):
         if (last - first) * step_s > HELD_S:
-            used = float((step_s / zone.holding_s[first:last]).sum())
+            used = float((step_s / np.maximum(zone.holding_s[first:last], SHORTEST_S)).sum())
             level[first:last] = Level.NOT_ACCEPTABLE if used > 1 else Level.INVESTIGATE
     for first, last in zip(*runs(zone.beyond), strict=True):
         if (last - first) * step_s > HELD_S:
