@@ -150,6 +150,15 @@ def test_what_is_not_stated_makes_a_range(reactions: tuple[Reaction, ...]) -> No
     assert found.plain()["levels"] == [level.words for level in found.levels or ()]
 
 
+def test_the_last_spell_of_a_shift_may_be_shorter(reactions: tuple[Reaction, ...]) -> None:
+    """7.5 h in spells of 4.5 h are one of 4.5 and one of 3; 2.5 h in spells of 1 with 1 h between are short."""
+    operation = lifting(reactions[0])
+    long, short = one(operation, cycle_s=60, hours=8), one(operation, cycle_s=60, hours=1)
+    assert long.value != short.value
+    assert one(operation, cycle_s=60, hours=7.5, spell_h=4.5, break_h=0.5).value == long.value
+    assert one(operation, cycle_s=60, hours=2.5, spell_h=1, break_h=1).value == short.value
+
+
 def test_several_lifts_are_composed(reactions: tuple[Reaction, ...]) -> None:
     single = one(lifting(reactions[0]), cycle_s=60, hours=1)
     both = one(lifting(reactions[0]), lifting(reactions[1], load_kg=2.0), cycle_s=60, hours=1)

@@ -180,7 +180,8 @@ def _duration(shift: Shift) -> Duration | None:
         return None
     spell_h = min(shift.spell_h or shift.hours, shift.hours)
     sessions = math.ceil(shift.hours / spell_h - 1e-9)
-    return duration_class([(spell_h, shift.break_h or 0.0)] * sessions)
+    last_h = shift.hours - spell_h * (sessions - 1)
+    return duration_class([(spell_h, shift.break_h or 0.0)] * (sessions - 1) + [(last_h, 0.0)])
 
 
 def _level(index: float) -> Level:
