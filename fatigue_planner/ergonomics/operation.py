@@ -56,6 +56,11 @@ class Operation:
         return self.duration_s * self.stated.times_per_cycle
 
     @cached_property
+    def works(self) -> NDArray[np.bool_]:
+        """Which sides work, (2,): those with a goal. What is stated of the working arm is true of them alone."""
+        return np.array([side in self.request.action.goals() for side in SIDES])
+
+    @cached_property
     def posture(self) -> PostureCourse:
         """The posture every `step_s`."""
         return PostureCourse.of(self.request.worker.anthropometry(), self.motion, self.step_s)
@@ -112,6 +117,10 @@ class Job:
     def busy_s(self) -> float:
         """How long all operations of a cycle take."""
         return sum(operation.seconds_per_cycle for operation in self.operations)
+
+    def times_per_minute(self, operation: Operation) -> float:
+        """How often an operation is done in a minute, as far as is stated; 0 if the length of the cycle is not."""
+        return 60 * operation.stated.times_per_cycle / self.shift.cycle_s if self.shift.cycle_s else 0.0
 
     @property
     def cycle_s(self) -> float:

@@ -68,10 +68,15 @@ class ScoredPosture(Indicator):
         """What an input that matters and is not stated may be, each but the mildest; the worst of an input last."""
         return ()
 
-    def mildest(self, operation: Operation) -> Circumstances:
-        """The circumstances with everything that is not stated as mild as it can be."""
+    def mildest(self, operation: Operation, times_per_minute: float = 0.0) -> Circumstances:
+        """The circumstances with everything that is not stated as mild as it can be.
+
+        An operation that is done so many times per minute has at least as many actions.
+        """
         stated = operation.stated
-        return stated.model_copy(update={key: value for key, value in MILDEST.items() if getattr(stated, key) is None})
+        update = {key: value for key, value in MILDEST.items() if getattr(stated, key) is None}
+        actions = max(stated.actions_per_minute or 0.0, times_per_minute)
+        return stated.model_copy(update=update | {"actions_per_minute": actions})
 
     def remarks(self, job: Job) -> tuple[Phrase, ...]:
         """What has to be known beside the score."""
@@ -87,7 +92,7 @@ class ScoredPosture(Indicator):
 
     def assess(self, job: Job) -> Assessment:
         """See Indicator.assess: the worst of all instants, sides and operations, at both ends of what is unknown."""
-        mild = [self.mildest(operation) for operation in job.operations]
+        mild = [self.mildest(operation, job.times_per_minute(operation)) for operation in job.operations]
         low = [self.scores(operation, stated) for operation, stated in zip(job.operations, mild, strict=True)]
         high = []
         decides: dict[tuple[str, str], Decides] = {}

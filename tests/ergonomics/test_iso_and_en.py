@@ -71,6 +71,7 @@ def test_a_second_computation_finds_the_same_at_every_tick(reactions: tuple[Reac
         ({"neck_lateral": 12.0}, {}, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE, "neck bent sideways"),
         ({"right_shoulder_flexion": 50.0}, {}, Level.INVESTIGATE, Level.INVESTIGATE, ""),
         ({"right_shoulder_flexion": 50.0}, {"arm_supported": True}, Level.ACCEPTABLE, Level.ACCEPTABLE, ""),
+        ({"left_shoulder_flexion": 50.0}, {"arm_supported": True}, Level.INVESTIGATE, Level.INVESTIGATE, ""),
         ({"right_shoulder_flexion": 70.0}, {}, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE, "right upper arm raised"),
         ({"left_shoulder_flexion": -15.0}, {}, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE, "left upper arm behind"),
         ({"left_wrist_deviation": 18.0}, {}, Level.NOT_ACCEPTABLE, Level.ACCEPTABLE, "left wrist deviated"),

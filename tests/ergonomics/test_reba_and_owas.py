@@ -76,7 +76,8 @@ def test_a_second_computation_of_reba_finds_the_same(
         for tick, seen in readings(reaction, stride).items():
             for i, side in enumerate(SIDES):
                 held_kg = 5.0 if side == "right" else 0.0
-                expected = plain_reba.reba(seen, side, (held_kg, 5.0), reba.COUPLING[coupling], more)
+                points = reba.COUPLING[coupling]
+                expected = plain_reba.reba(seen, side, (held_kg, 5.0), points, more, side == "right")
                 assert found[tick, i] == expected, f"{reaction.name}, tick {tick}, {side}"
 
 

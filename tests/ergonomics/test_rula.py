@@ -68,9 +68,9 @@ def test_a_published_case_of_table_b() -> None:
     [(0, (0, 0)), (1.99, (0, 0)), (2, (1, 2)), (10, (1, 2)), (10.1, (2, 3)), (60, (2, 3))],
 )
 def test_points_of_a_load(load_kg: float, points: tuple[int, int]) -> None:
-    found = [int(Rula.force_points(np.array([load_kg]), static, shock=False)[0]) for static in (False, True)]
+    found = [int(Rula.force_points(np.array([load_kg]), static, np.array(False))[0]) for static in (False, True)]
     assert tuple(found) == points
-    assert Rula.force_points(np.array([load_kg]), static=False, shock=True)[0] == 3
+    assert Rula.force_points(np.array([load_kg]), False, np.array(True))[0] == 3
 
 
 @pytest.mark.parametrize("stride", [97, pytest.param(1, marks=pytest.mark.slow)])
@@ -88,7 +88,7 @@ def test_a_second_computation_finds_the_same(reactions: tuple[Reaction, ...], st
         for tick, seen in readings(reaction, stride).items():
             for i, side in enumerate(SIDES):
                 load_kg = 5.0 if side == "right" else 0.0
-                expected = plain_rula.rula(seen, side, half_width_m, (load_kg, 5.0), more)
+                expected = plain_rula.rula(seen, side, half_width_m, (load_kg, 5.0), more, side == "right")
                 assert found[tick, i] == expected, f"{reaction.name}, tick {tick}, {side}"
                 worst = max(worst, expected)
         assert 3 <= worst <= 7
@@ -110,6 +110,19 @@ def test_what_is_not_stated_makes_a_range(reactions: tuple[Reaction, ...]) -> No
     severe = one(replace(operation, stated=Circumstances(**worst)))
     assert severe.value == (unknown.value.high, unknown.value.high)
     assert unknown.text() == "4 (7 if repeated more than 4 times a minute; 7 with shocks; 7 if all)"
+
+
+@pytest.mark.parametrize("stated", [{}, {"actions_per_minute": 2.0}])
+def test_a_short_cycle_is_repetition(reactions: tuple[Reaction, ...], stated: dict[str, float]) -> None:
+    """Of 8 s, in a cycle of 10 s: 6 times a minute, whatever fewer actions are stated; in 20 s, 3 times."""
+    mild = NOTHING | {"actions_per_minute": None}
+    operation = Operation.of(reactions[0], Circumstances.model_validate(mild | stated))
+    operation = replace(operation, motion=replace(operation.motion, time_step_s=0.005))
+    short, longer = one(operation, cycle_s=10), one(operation, cycle_s=20)
+    assert (short.value, short.decides) == ((7, 7), ())
+    assert longer.value == ((4, 4) if stated else (4, 7))
+    twice = replace(operation, stated=operation.stated.model_copy(update={"times_per_cycle": 2}))
+    assert one(twice, cycle_s=20).value == (7, 7)
 
 
 def test_a_cycle_of_several_operations(reactions: tuple[Reaction, ...]) -> None:

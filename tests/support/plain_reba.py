@@ -29,8 +29,13 @@ def table_c(a: int, b: int) -> int:
     return int(TABLE_C.split()[min(a, 12) - 1][min(b, 12) - 1], 16)
 
 
-def reba(seen: dict[str, float], side: str, load_kg: tuple[float, float], coupling: int, more: set[str]) -> int:
-    """The score; load_kg: of this arm and of both; more: of `repeated`, `shock`, `raised`, `supported`, `rapid`."""
+def reba(
+    seen: dict[str, float], side: str, load_kg: tuple[float, float], coupling: int, more: set[str], works: bool
+) -> int:
+    """The score; load_kg: of this arm and of both; more: of `repeated`, `shock`, `raised`, `supported`, `rapid`.
+
+    `raised` and `supported` are true of an arm that works.
+    """
     neck = 2 if seen["neck"] > 20 or seen["neck"] < -5 else 1
     if abs(seen["neck_twist"]) > 20 or abs(seen["neck_side"]) > 10:
         neck += 1
@@ -49,8 +54,8 @@ def reba(seen: dict[str, float], side: str, load_kg: tuple[float, float], coupli
     a = table_a(neck, trunk, legs) + (2 if load_kg[1] > 10 else 1 if load_kg[1] >= 5 else 0) + ("shock" in more)
     arm, raised = seen[f"{side}_arm"], seen[f"{side}_arm_raised"]
     upper = 1 if -20 <= arm <= 20 else 2 if arm <= 45 else 3 if arm <= 90 else 4
-    upper += (seen[f"{side}_arm_abducted"] > 30) + ("raised" in more)
-    if "supported" in more or (raised <= 20 and abs(arm) > 20):
+    upper += (seen[f"{side}_arm_abducted"] > 30) + (works and "raised" in more)
+    if (works and "supported" in more) or (raised <= 20 and abs(arm) > 20):
         upper -= 1
     lower = 1 if 60 <= seen[f"{side}_elbow"] <= 100 else 2
     wrist = 1 if abs(seen[f"{side}_wrist"]) <= 15 else 2

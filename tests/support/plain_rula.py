@@ -28,8 +28,18 @@ def table_c(c: int, d: int) -> int:
     return int(TABLE_C.split()[min(c, 8) - 1][min(d, 7) - 1])
 
 
-def rula(seen: dict[str, float], side: str, half_width_m: float, load_kg: tuple[float, float], more: set[str]) -> int:
-    """The grand score; load_kg: of this arm and of both; more: of `repeated`, `shock`, `raised`, `supported`."""
+def rula(
+    seen: dict[str, float],
+    side: str,
+    half_width_m: float,
+    load_kg: tuple[float, float],
+    more: set[str],
+    works: bool,
+) -> int:
+    """The grand score; load_kg: of this arm and of both; more: of `repeated`, `shock`, `raised`, `supported`.
+
+    The last three are true of an arm that works, shocks of the body, too.
+    """
     arm, elbow, out = (seen[f"{side}_{name}"] for name in ("arm", "elbow", "hand_out_m"))
     if arm < -20:
         upper = 2
@@ -41,7 +51,8 @@ def rula(seen: dict[str, float], side: str, half_width_m: float, load_kg: tuple[
         upper = 3 if arm <= 90 else 4
     if seen[f"{side}_arm_abducted"] > 30:
         upper += 1
-    upper += ("raised" in more) - ("supported" in more)
+    if works:
+        upper += ("raised" in more) - ("supported" in more)
     lower = 1 if 60 <= elbow <= 100 else 2
     if out < 0 or out > half_width_m + 0.25:
         lower += 1
@@ -56,7 +67,7 @@ def rula(seen: dict[str, float], side: str, half_width_m: float, load_kg: tuple[
     trunk += (abs(seen["trunk_twist"]) > 20) + (abs(seen["trunk_side"]) > 10)
     legs = 2 if min(seen["right_foot_share"], seen["left_foot_share"]) < 0.1 else 1
     muscle = "repeated" in more
-    force = [_force(kg, more) for kg in load_kg]
+    force = _force(load_kg[0], more if works else more - {"shock"}), _force(load_kg[1], more)
     c = table_a(max(1, min(6, upper)), lower, wrist, twist) + muscle + force[0]
     return table_c(c, table_b(neck, trunk, legs) + muscle + force[1])
 

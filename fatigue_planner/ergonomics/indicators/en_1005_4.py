@@ -88,7 +88,6 @@ class En10054(HeldPosture):
         seen = operation.posture
         trunk, arm = seen.trunk_deg, seen.arm_raised_deg
         between = BETWEEN_SUPPORTED if stated.trunk_supported else BETWEEN
-        arm_between = ARM_BETWEEN_SUPPORTED if stated.arm_supported else ARM_BETWEEN
         found = [
             Zone("trunk inclined", "", (trunk > 20) & (trunk <= 60), between, trunk > 20),
             Zone("trunk inclined far", "", trunk > 60, BEYOND),
@@ -101,12 +100,13 @@ class En10054(HeldPosture):
         ]
         for index, side in enumerate(SIDES):
             raised = arm[:, index]
-            shoulder = bool(stated.shoulder_raised) and side in operation.request.action.goals()
+            works = bool(operation.works[index])
+            arm_between = ARM_BETWEEN_SUPPORTED if stated.arm_supported and works else ARM_BETWEEN
             found += [
                 Zone("upper arm raised", side, (raised > 20) & (raised <= 60), arm_between, raised > 20),
                 Zone("upper arm raised far", side, raised > 60, BEYOND),
                 Zone("upper arm behind the body", side, seen.arm_forward_deg[:, index] < -self.visible_deg, BEYOND),
-                Zone("shoulder raised", side, working(operation) & shoulder, SHRUGGED),
+                Zone("shoulder raised", side, working(operation) & works & bool(stated.shoulder_raised), SHRUGGED),
             ]
         return found
 

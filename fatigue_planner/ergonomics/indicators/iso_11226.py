@@ -139,8 +139,8 @@ class Iso11226(HeldPosture):
         ]
         for index, side in enumerate(SIDES):
             raised, wrist = seen.arm_raised_deg[:, index], seen.wrist_deg[:, index]
-            arm_s = free if stated.arm_supported else UPPER_ARM.holding_s(raised)
-            shoulder = np.full(len(free), bool(stated.shoulder_raised) and side in operation.request.action.goals())
+            arm_s = free if stated.arm_supported and operation.works[index] else UPPER_ARM.holding_s(raised)
+            shoulder = np.full(len(free), bool(stated.shoulder_raised) and bool(operation.works[index]))
             found += [
                 Zone("upper arm raised", side, raised > UPPER_ARM.most_deg, arm_s),
                 Zone("upper arm behind the body", side, seen.arm_forward_deg[:, index] < -self.visible_deg, free),
@@ -192,8 +192,8 @@ def held(zone: Zone, step_s: float) -> Integers:
     """The level of a zone at every instant, (n,): what lasts for more than 4 s without a break is held.
 
     Where the angle changes during a hold, each instant uses up its share of the holding time at its angle (assumed; of
-    an angle that stays it is the standard's rule), beyond the largest angle that of the shortest time. A hold that uses up
-    more than all is not acceptable.
+    an angle that stays it is the standard's rule), beyond the largest angle that of the shortest time. A hold that
+    uses up more than all is not acceptable.
     """
     level = np.zeros(len(zone.beyond), dtype=np.int64)
     for first, last in zip(*runs(np.isfinite(zone.holding_s)), strict=True):

@@ -145,7 +145,11 @@ class Reba(JointThresholds):
         seen = operation.posture
         hangs = (seen.arm_raised_deg <= HANGING_DEG) & (np.abs(seen.arm_to_trunk_deg) > HANGING_DEG)
         upper = upper_arm_points(seen.arm_to_trunk_deg) + (seen.arm_abducted_deg > self.abducted_deg)
-        upper = upper + int(bool(stated.shoulder_raised)) - (hangs | stated.arm_supported)
+        upper = (
+            upper
+            + (operation.works & bool(stated.shoulder_raised))
+            - (hangs | (operation.works & stated.arm_supported))
+        )
         return {
             "upper_arm": np.clip(upper, 1, 6),
             "lower_arm": lower_arm_points(seen.elbow_deg),

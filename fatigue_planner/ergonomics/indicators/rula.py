@@ -112,8 +112,8 @@ class Rula(JointThresholds):
         static = is_static(operation) or (stated.actions_per_minute or 0) > REPEATED_PER_MINUTE
         load_kg = operation.load_kg
         muscle = np.full(len(b), int(static))
-        force_a = self.force_points(load_kg, static, bool(stated.shock))
-        force_b = self.force_points(load_kg.sum(axis=1), static, bool(stated.shock))
+        force_a = self.force_points(load_kg, static, operation.works & bool(stated.shock))
+        force_b = self.force_points(load_kg.sum(axis=1), static, np.array(bool(stated.shock)))
         c, d = a + muscle[:, None] + force_a, b + muscle + force_b
         points = {name.replace("_", " "): values for name, values in (arm | body).items()}
         more = {"muscle": muscle, "force of the arm": force_a, "force of both": force_b}
@@ -124,7 +124,7 @@ class Rula(JointThresholds):
         """Points (n, 2) of upper arm, lower arm, wrist and twist of the wrist."""
         seen = operation.posture
         upper = upper_arm_points(seen.arm_to_trunk_deg) + (seen.arm_abducted_deg > self.abducted_deg)
-        upper = upper + int(bool(stated.shoulder_raised)) - int(stated.arm_supported)
+        upper = upper + (operation.works & bool(stated.shoulder_raised)) - (operation.works & stated.arm_supported)
         across = seen.hand_out_m < 0
         out = seen.hand_out_m > seen.shoulder_half_width_m + OUT_TO_SIDE_M
         bent = np.abs(seen.wrist_deg)
@@ -150,12 +150,10 @@ class Rula(JointThresholds):
         }
 
     @staticmethod
-    def force_points(load_kg: NDArray[np.float64], static: bool, shock: bool) -> Integers:
-        """Points of loads in kg: 3 for shocks; else below 2 kg 0, to 10 kg 1, above 2; if static, 1 more.
+    def force_points(load_kg: NDArray[np.float64], static: bool, shock: NDArray[np.bool_]) -> Integers:
+        """Points of loads in kg: 3 where there are shocks; else below 2 kg 0, to 10 kg 1, above 2; if static, 1 more.
 
         Many worksheets leave out the 2 points of more than 10 kg held now and then.
         """
-        if shock:
-            return np.full(load_kg.shape, 3)
         over = (load_kg >= 2).astype(np.int64) + (load_kg > 10)
-        return np.asarray(np.where(over > 0, over + int(static), 0))
+        return np.asarray(np.where(shock, 3, np.where(over > 0, over + int(static), 0)))
