@@ -30,6 +30,7 @@ from fatigue_planner.ergonomics.strain_equation import (
     strain_index,
 )
 from fatigue_planner.human.anthropometry import Sex
+from fatigue_planner.motion.action import Action
 from fatigue_planner.reactions.reaction import Reaction
 
 # Potvin et al. 2021 as in nbarr1/ErgonomicTool, methods/lm-mmh/transcription/equation-terms.pass-a.csv: reference load,
@@ -208,6 +209,21 @@ def test_published_jobs_of_duet(
     found = one(Duet(), *operations, cycle_s=cycle_s, hours=hours)
     # the printed hours and efforts are rounded to five digits
     assert found.parts["dose"] == pytest.approx(expected, rel=3e-5)
+
+
+def test_duet_is_of_the_worse_hand(reactions: tuple[Reaction, ...]) -> None:
+    """What the left hand does as well is no dose of the right one; both hands at once are one dose each."""
+    right = Operation.of(reactions[0], Circumstances(omni_effort=5), name="right")
+    goal = next(iter(right.request.action.goals().values()))
+    left = replace(right, name="left", request=replace(right.request, action=Action(left_hand=goal)))
+    left = replace(left, stated=Circumstances(omni_effort=6))
+    alone, both = one(Duet(), left, cycle_s=60, hours=8), one(Duet(), right, left, cycle_s=60, hours=8)
+    assert both.value == alone.value
+    assert both.worst is not None
+    assert (both.worst.operation, both.worst.side) == ("left", "left")
+    assert both.parts == {"dose": pytest.approx(480 * DAMAGE[6]), "dose of left": pytest.approx(480 * DAMAGE[6])}
+    together = replace(left, request=replace(right.request, action=Action(right_hand=goal, left_hand=goal)))
+    assert one(Duet(), together, cycle_s=60, hours=8).value == alone.value
 
 
 def test_published_probabilities_of_duet(reactions: tuple[Reaction, ...]) -> None:

@@ -10,6 +10,7 @@ from pydantic import Field
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.result import Assessment, Level, Moment, Origin, Phrase, Unknown, spanned
+from fatigue_planner.human.skeleton import SIDES
 
 # Damage of one effort at OMNI-RES 0 to 10.
 DAMAGE = (
@@ -30,7 +31,7 @@ def probability(dose: float) -> float:
 
 
 class Duet(Indicator):
-    """The probability, in %, at the dose of a day; efforts and their rating are stated."""
+    """The probability, in %, at the dose of a day of the worse hand; efforts and their rating are stated."""
 
     title: ClassVar[str] = "DUET"
     edition: ClassVar[str] = "Gallagher et al. 2018; equation for injury and pain in the last year"
@@ -47,17 +48,21 @@ class Duet(Indicator):
             longer = tuple((hours, Phrase("if done for {hours:g} h", {"hours": hours})) for hours in HOURS[1:])
             unknown.append(Unknown("hours", HOURS[0], longer))
 
-        def doses(chosen: Mapping[str, Any]) -> list[float]:
+        def doses(side: str, chosen: Mapping[str, Any]) -> list[float]:
             cycles = 3600 * (job.shift.hours or chosen["hours"]) / job.cycle_s
-            return [cycles * dose_per_cycle(operation, chosen.get("omni_effort", 0)) for operation in job.operations]
+            return [cycles * dose_per_cycle(one, chosen.get("omni_effort", 0)) for one in working_with(job, side)]
 
-        value, base, decides = spanned(lambda chosen: 100 * probability(sum(doses(chosen))), unknown)
+        sides = [side for side in SIDES if working_with(job, side)]
+        value, base, decides = spanned(
+            lambda chosen: 100 * probability(max(sum(doses(side, chosen)) for side in sides)), unknown
+        )
         first = {one.key: one.first for one in unknown}
-        own = doses(first)
+        side = max(sides, key=lambda one: sum(doses(one, first)))
+        operations, own = working_with(job, side), doses(side, first)
         line = 100 * probability(CUT_POINT)
         levels = tuple(Level.ACCEPTABLE if end < line else Level.INVESTIGATE for end in value)
         words = ("below the cut point", "at or above the cut point")
-        worst = job.operations[int(np.argmax(own))]
+        worst = operations[int(np.argmax(own))]
         start = worst.motion.phase("work").start * worst.motion.time_step_s
         return self.answer(
             value=value,
@@ -66,13 +71,18 @@ class Duet(Indicator):
             levels=(levels[0], levels[1]),
             words=(words[levels[0]], words[levels[1]]),
             decides=tuple(one for one in decides if one.value > base),
-            worst=Moment(worst.name, start, "", "hand and forearm"),
-            parts={"dose": sum(own)} | {f"dose of {o.name}": d for o, d in zip(job.operations, own, strict=True)},
+            worst=Moment(worst.name, start, side, "hand and forearm"),
+            parts={"dose": sum(own)} | {f"dose of {o.name}": d for o, d in zip(operations, own, strict=True)},
             remarks=(
                 Phrase("Without a count of actions, an operation is one effort."),
                 Phrase("The method knows no recovery."),
             ),
         )
+
+
+def working_with(job: Job, side: str) -> list[Operation]:
+    """The operations in which the hand of a side works."""
+    return [operation for operation in job.operations if side in operation.request.action.goals()]
 
 
 def dose_per_cycle(operation: Operation, otherwise: float) -> float:
