@@ -83,7 +83,7 @@ class HeldPosture(Indicator):
         parts: dict[str, float] = {}
         worst_s, worst = 0.0, None
         for operation, rules in zip(job.operations, self.judged(job, known), strict=True):
-            each_s = operation.posture.step_s * operation.stated.times_per_cycle
+            each_s = operation.seconds_per_cycle / len(operation.posture.time_s)
             level = np.max([rule.level for rule in rules], axis=0)
             seconds += np.bincount(level, minlength=len(Level)) * each_s
             for rule in rules:

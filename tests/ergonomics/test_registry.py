@@ -5,6 +5,7 @@ import json
 from collections.abc import Iterator
 from typing import ClassVar, Literal
 
+import numpy as np
 import pytest
 from conftest import ROOT
 from forgotten_plugins import forgotten_plugins
@@ -52,6 +53,15 @@ def test_every_indicator_says_plain_data(reactions: tuple[Reaction, ...], known:
             assert one.decides or one.indicator in {"holding_time", "l5s1_compression"}, one.indicator
         for times in (one.times, one.times_most):
             assert times is None or sum(times) == pytest.approx(32)
+
+
+def test_seconds_are_those_of_the_operation(reactions: tuple[Reaction, ...]) -> None:
+    """Judged every 0.3 s, 16 s are 54 instants, but not 16.2 s."""
+    operation = Operation.of(reactions[0], Circumstances(times_per_cycle=2), step_s=0.3)
+    assert len(operation.posture.time_s) == 54
+    times = [one.times for one in evaluate([operation]) if one.times is not None]
+    assert len(times) == 5
+    np.testing.assert_allclose(np.sum(times, axis=1), 32)
 
 
 def test_every_key_is_described() -> None:

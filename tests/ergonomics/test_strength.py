@@ -125,6 +125,15 @@ def test_an_effort_is_compared_with_what_is_acceptable_for_as_long(reactions: tu
     assert busy.worst[2:] == ("right", "elbow flexion")
 
 
+def test_the_share_of_the_cycle_is_of_the_operations_own_time(reactions: tuple[Reaction, ...]) -> None:
+    """Judged every 0.3 s, a load for 8 of 16 s in a cycle of 160 s is one for 26 or 27 of 54 instants."""
+    strength = Operation.of(reactions[0]).request.maximum_torque.positive_nm[joint_index("right_elbow_flexion")]
+    torque = np.where(np.arange(1600) < 810, 0.4, 0.0) * strength
+    operation = replace(with_torque(reactions[0], "right_elbow_flexion", torque), step_s=0.3)
+    found = one(AcceptableEffort(), operation, cycle_s=160)
+    assert found.parts["duty cycle"] == pytest.approx(27 / 54 * 16 / 160)
+
+
 def test_compression_of_an_example() -> None:
     """200 N.m and 450 N at 60 degrees: 2.9 to 4.2 kN, 3.6 with a lever of 6 cm."""
     forces = [

@@ -48,7 +48,7 @@ class AcceptableEffort(Indicator):
         shares = [entry_shares(operation) for operation in job.operations]
         load = np.vstack(shares)
         seconds = np.concatenate([
-            np.full(len(share), operation.posture.step_s * operation.stated.times_per_cycle)
+            np.full(len(share), operation.seconds_per_cycle / len(share))
             for share, operation in zip(shares, job.operations, strict=True)
         ])  # fmt: skip
         order = np.argsort(-load, axis=0, kind="stable")
