@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fatigue_planner.ergonomics.indicators.niosh_lifting import NioshLifting
+from fatigue_planner.ergonomics.indicators.niosh_lifting import NioshLifting, lift_of
 from fatigue_planner.ergonomics.lifting_equation import (
     DURATIONS,
     METRIC,
@@ -19,7 +19,7 @@ from fatigue_planner.ergonomics.lifting_equation import (
     frequency_multiplier,
     multipliers,
 )
-from fatigue_planner.ergonomics.operation import Operation
+from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
@@ -148,6 +148,17 @@ def test_what_is_not_stated_makes_a_range(reactions: tuple[Reaction, ...]) -> No
     assert mild.value.low == found.value.low
     assert found.value.high > max(decides.value for decides in found.decides)
     assert found.plain()["levels"] == [level.words for level in found.levels or ()]
+
+
+def test_the_way_decides_where_a_load_is_placed_with_care(reactions: tuple[Reaction, ...]) -> None:
+    """Where the height is not stated, it is the height of the origin, and so far up or down, within the equation."""
+    for handling, sign in (("lift", 1), ("lower", -1)):
+        operation = lifting(reactions[0], handling=handling, end_height_m=None, placed_carefully=True)
+        for way_m in (0.25, 1.75):
+            found = lift_of(operation, Job([operation]), {"end_height_m": way_m})
+            assert found.destination is not None
+            expected = min(max(found.origin.height + sign * 100 * way_m, 0), 175)
+            assert (found.destination.height, found.travel) == (pytest.approx(expected), 100 * way_m)
 
 
 def test_the_last_spell_of_a_shift_may_be_shorter(reactions: tuple[Reaction, ...]) -> None:

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.lifting_equation import (
+    METRIC,
     Duration,
     Lift,
     Place,
@@ -124,14 +125,18 @@ def lift_of(operation: Operation, job: Job, chosen: Mapping[str, Any]) -> Lift:
     begin, end = work_of(operation)
     origin = place_of(operation, begin)
     end_m = end_height_m(operation)
-    travel_m = chosen["end_height_m"] if end_m is None else abs(end_m - origin.height / 100)
+    begin_m = origin.height / 100
+    travel_m = chosen["end_height_m"] if end_m is None else abs(end_m - begin_m)
     controlled = chosen["placed_carefully"] if stated.placed_carefully is None else stated.placed_carefully
     destination = None
     if controlled:
         there = place_of(operation, end)
         distance = there.horizontal if stated.end_distance_m is None else 100 * stated.end_distance_m
-        height = there.height if end_m is None else 100 * end_m
-        destination = Place(distance, height, there.asymmetry_deg)
+        if end_m is None:
+            # the way decides where it ends, on the ground or as high as the equation goes at most (assumed)
+            end_m = begin_m - travel_m if stated.handling == "lower" else begin_m + travel_m
+            end_m = min(max(end_m, 0.0), METRIC.highest / 100)
+        destination = Place(distance, 100 * end_m, there.asymmetry_deg)
     coupling = chosen["coupling"] if stated.coupling is None else stated.coupling
     return Lift(
         load=float(operation.load_kg[begin : end + 1].sum(axis=1).max()),
