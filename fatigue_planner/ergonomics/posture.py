@@ -4,7 +4,7 @@ Angles of single degrees of freedom are no substitute: flexion and abduction of 
 worker who turns the pelvis and leans has no side bend. Only wrist, forearm and knee are read from theirs.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -127,14 +127,6 @@ class PostureCourse:
             foot_share=np.divide(vertical_n, total, out=np.full_like(vertical_n, 0.5), where=total > 0),
             speed_degps=np.degrees(np.abs(motion.velocity[::stride, BASE_DOF:]).max(axis=1)),
         )
-
-    def at(self, instant: int) -> dict[str, object]:
-        """All that is known of one instant, by name, as JSON values."""
-        return {
-            field.name: np.asarray(getattr(self, field.name)[instant]).tolist()
-            for field in fields(self)
-            if isinstance(getattr(self, field.name), np.ndarray)
-        }
 
 
 def runs(taken: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

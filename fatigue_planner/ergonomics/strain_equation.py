@@ -1,4 +1,4 @@
-"""The revised strain index with its composites (Garg, Moore & Kapellusch 2017, Ergonomics 60, 912-922 and 923-932)."""
+"""The revised strain index with its composite (Garg, Moore & Kapellusch 2017, Ergonomics 60, 912-922 and 923-932)."""
 
 import math
 from collections.abc import Sequence
@@ -66,15 +66,4 @@ def composite_index(efforts: Sequence[Effort], hours: float) -> float:
         per_minute += effort.per_minute
         added = frequency_multiplier(per_minute) - before
         index += strain_index(effort, hours) / frequency_multiplier(effort.per_minute) * added
-    return index
-
-
-def cumulative_index(tasks: Sequence[tuple[Sequence[Effort], float]]) -> float:
-    """CUSI of tasks, each with efforts and hours a day: the highest COSI, and what each further adds by its hours."""
-    ordered = sorted(tasks, key=lambda task: -composite_index(*task))
-    index, hours = 0.0, 0.0
-    for efforts, own in ordered:
-        before = hours_multiplier(hours) if hours else 0.0
-        hours += own
-        index += composite_index(efforts, own) / hours_multiplier(own) * (hours_multiplier(hours) - before)
     return index

@@ -21,7 +21,6 @@ from fatigue_planner.ergonomics.stated import Circumstances, Shift
 from fatigue_planner.ergonomics.strain_equation import (
     Effort,
     composite_index,
-    cumulative_index,
     duration_multiplier,
     frequency_multiplier,
     hours_multiplier,
@@ -149,15 +148,6 @@ def test_the_pieces_of_the_strain_index_join() -> None:
     ):  # fmt: skip
         below, above = function(edge - 1e-9), function(edge + 1e-9)
         assert below == pytest.approx(above, rel=0.05), function.__name__
-
-
-def test_hours_of_several_tasks_are_composed() -> None:
-    """The same task twice for 2 h is the task for 4 h; another, milder one adds less than itself."""
-    efforts, milder = [Effort(0.3, 6, 2, 0)], [Effort(0.1, 6, 2, 0)]
-    assert cumulative_index([(efforts, 2), (efforts, 2)]) == pytest.approx(composite_index(efforts, 4))
-    both = cumulative_index([(milder, 2), (efforts, 2)])
-    assert composite_index(efforts, 2) < both < composite_index(efforts, 2) + composite_index(milder, 2)
-    assert cumulative_index([(efforts, 3)]) == pytest.approx(composite_index(efforts, 3))
 
 
 def test_the_strain_index_of_an_operation(reactions: tuple[Reaction, ...]) -> None:

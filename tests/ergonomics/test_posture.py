@@ -63,9 +63,9 @@ def test_known_postures(
     paper: Experiment, reactions: tuple[Reaction, ...], posture: dict[str, float], expected: dict[str, object]
 ) -> None:
     person = paper.workers["average_man"].anthropometry()
-    seen = PostureCourse.of(person, standing(paper, reactions[0].motion, **posture), step_s=4).at(0)
+    seen = PostureCourse.of(person, standing(paper, reactions[0].motion, **posture), step_s=4)
     for name, value in expected.items():
-        np.testing.assert_allclose(seen[name], value, atol=1e-6, err_msg=name)
+        np.testing.assert_allclose(getattr(seen, name)[0], value, atol=1e-6, err_msg=name)
 
 
 @pytest.mark.parametrize("stride", [97, pytest.param(1, marks=pytest.mark.slow)])

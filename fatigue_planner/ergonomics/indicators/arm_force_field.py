@@ -28,8 +28,10 @@ class ArmForceField(CapableShare):
     """
 
     title: ClassVar[str] = "percent capable by the Arm Force Field"
-    edition: ClassVar[str] = "La Delfa & Potvin 2017, coefficients of 2025-06-24; men 1.66 times as strong as women"
-    origin: ClassVar[Origin] = Origin.READ
+    edition: ClassVar[str] = (
+        "La Delfa & Potvin 2017, coefficients of 2025-06-24; recalled: men 1.66 times as strong, the limit of a quarter"
+    )
+    origin: ClassVar[Origin] = Origin.RECALLED
 
     kind: Literal["arm_force_field"] = Field(
         default="arm_force_field",

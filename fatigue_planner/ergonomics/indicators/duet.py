@@ -74,7 +74,7 @@ class Duet(Indicator):
             worst=Moment(worst.name, start, side, "hand and forearm"),
             parts={"dose": sum(own)} | {f"dose of {o.name}": d for o, d in zip(operations, own, strict=True)},
             remarks=(
-                Phrase("Without a count of actions, an operation is one effort."),
+                Phrase("Where actions are not counted, an operation is taken as one effort, the fewest there can be."),
                 Phrase("The method knows no recovery."),
             ),
         )

@@ -25,8 +25,8 @@ class LibertyMutual(CapableShare):
     """
 
     title: ClassVar[str] = "percent capable by Liberty Mutual"
-    edition: ClassVar[str] = "LM-MMH equations, Potvin et al. 2021"
-    origin: ClassVar[Origin] = Origin.AGREED
+    edition: ClassVar[str] = "LM-MMH equations, Potvin et al. 2021; the limit of a quarter is recalled"
+    origin: ClassVar[Origin] = Origin.RECALLED
 
     kind: Literal["lm_mmh"] = Field(default="lm_mmh", description="Liberty Mutual equations (Potvin et al. 2021).")
 

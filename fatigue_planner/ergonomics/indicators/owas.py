@@ -14,15 +14,14 @@ from fatigue_planner.ergonomics.stated import Circumstances
 
 Integers = NDArray[np.int64]
 
-# Back 1-4 with arms 1-3 each; along a row legs 1-7, of each the three classes of load.
+# Back 1-4 with arms 1-3 each; along a row legs 1-7, of each the three classes of load. Of two cells transcriptions
+# differ: 3.3.7.3 is 1 or 2, 4.1.3.2 is 2 or 3.
 CATEGORIES = np.array([[int(digit) for digit in row.replace(" ", "")] for row in (
     "111 111 111 222 222 111 111", "111 111 111 222 222 111 111", "111 111 111 223 223 111 112",
     "223 223 223 333 333 222 233", "223 223 233 344 344 334 234", "334 223 333 344 444 444 234",
     "111 111 112 333 444 111 111", "223 111 112 444 444 333 111", "223 111 233 444 444 444 111",
     "233 223 223 444 444 444 234", "334 234 334 444 444 444 234", "444 234 334 444 444 444 234",
 )]).reshape(4, 3, 7, 3)  # fmt: skip
-# The codes back, arms, legs, load of which transcriptions differ: 3.3.7.3 is 1 or 2, 4.1.3.2 is 2 or 3.
-DISPUTED = {(3, 3, 7, 3): 2, (4, 1, 3, 2): 3}
 
 STANDING, ONE_LEG, BOTH_BENT, ONE_BENT = 2, 3, 4, 5
 

@@ -27,8 +27,10 @@ class StrainIndex(Indicator):
     """The strain index of the worse hand. The grip is not simulated: the larger of it and the wrist's load counts."""
 
     title: ClassVar[str] = "revised strain index"
-    edition: ClassVar[str] = "Garg, Moore & Kapellusch 2017; several operations: composite index (COSI)"
-    origin: ClassVar[Origin] = Origin.AGREED
+    edition: ClassVar[str] = (
+        "Garg, Moore & Kapellusch 2017; several operations: composite index (COSI); the limit of 10 is recalled"
+    )
+    origin: ClassVar[Origin] = Origin.RECALLED
 
     kind: Literal["strain_index"] = Field(
         default="strain_index", description="Revised strain index and its composite (Garg, Moore and Kapellusch 2017)."
@@ -71,7 +73,7 @@ class StrainIndex(Indicator):
             parts=efforts[which]._asdict(),
             remarks=(
                 Phrase("Intensity is the larger of the grip and the wrist's load; the grip is not simulated."),
-                Phrase("Without a count of actions, an operation is one effort of its work phase."),
+                Phrase("Where actions are not counted, an operation is taken as one effort of its work phase."),
             ),
         )
 
