@@ -107,7 +107,7 @@ class Shift(Settings):
         default=None, gt=0, le=24, description="How long the cycle is repeated in a shift, in h."
     )
     spell_h: float | None = Field(
-        default=None, gt=0, le=12, description="Longest time of this work between two breaks, in h."
+        default=None, gt=0, le=24, description="Longest time of this work between two breaks, in h."
     )
     break_h: float | None = Field(
         default=None, ge=0, le=12, description="Break, or other light work, after that, in h."

@@ -93,7 +93,7 @@ def load_strengths(name: str) -> StrengthSet:
 
 def at_percentile(name: str, percentile: float) -> str:
     """The name of a set at a percentile of strength; the 50th is the set itself."""
-    return name if percentile == 50 else f"{name}:p{percentile:g}"
+    return name if percentile == 50 else f"{name}:p{round(percentile, 2):g}"
 
 
 class Spreads(Settings):

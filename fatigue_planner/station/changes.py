@@ -1,5 +1,6 @@
 """What one change of a station would do: each is simulated and judged like the station itself."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 from fatigue_planner.ergonomics.result import Phrase
@@ -72,8 +73,11 @@ def _moved(station: Station) -> Iterator[tuple[Phrase, Station]]:
     used = dict.fromkeys(place for each in station.operations.values() for place in each.places)
     for name in used:
         at = station.places[name]
-        if at.x - STEP_M >= LEAST_M:
-            yield Phrase(NEARER, {"place": name}), _with(station, name, at, x=round(at.x - STEP_M, 4))
+        ahead_m = math.hypot(at.x, at.y) if station.feet == "free" else at.x
+        if ahead_m - STEP_M >= LEAST_M:
+            part = 1 - STEP_M / ahead_m
+            nearer = {"x": round(part * at.x, 4)} | ({"y": round(part * at.y, 4)} if station.feet == "free" else {})
+            yield Phrase(NEARER, {"place": name}), _with(station, name, at, **nearer)
         if at.z > ELBOW_M:
             yield Phrase(LOWER, {"place": name}), _with(station, name, at, z=round(at.z - STEP_M, 4))
         else:

@@ -13,9 +13,12 @@ from fatigue_planner.station.outcomes import Task, simulate_all, tasks_of
 from fatigue_planner.station.recommendation import Considered, best_of, excluded, places_for_workers, ranked, summaries
 from fatigue_planner.station.schema import Station
 
-# How many combinations of places are judged as whole cycles, those that tire least.
-LOOKED_AT = 20
-FORBIDDEN_TOGETHER = "The operations together are not acceptable for {worker} by {rules}, wherever they are done"
+# So many combinations of places that are allowed as whole cycles are looked for, from the least tiring one on.
+ENOUGH = 20
+FORBIDDEN_TOGETHER = (
+    "The operations together are not acceptable for {worker} by {rules}, wherever they are done, each in the way "
+    "that is best alone"
+)
 
 
 @dataclass(frozen=True)
@@ -110,7 +113,7 @@ def _allowed_together(found: Examined, cache: ReactionCache, command: str) -> tu
     if len(found.station.operations) == 1:
         return list(found.ranking), None
     allowed, forbidden = [], None
-    for each in found.ranking[:LOOKED_AT]:
+    for each in found.ranking:
         places = dict(zip(found.station.operations, each.places, strict=True))
         for worker in found.station.workers:
             verdict = judge(found.case(found.doings(worker, places), cache, command))
@@ -120,6 +123,8 @@ def _allowed_together(found: Examined, cache: ReactionCache, command: str) -> tu
                 break
         else:
             allowed.append(each)
+        if len(allowed) == ENOUGH:
+            break
     return allowed, None if allowed else forbidden
 
 

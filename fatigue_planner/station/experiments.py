@@ -3,7 +3,7 @@
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -154,7 +154,8 @@ def _loads(
         if tool.mass_kg > 0:
             found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share))
         if tool.force_n is not None:
-            force = view.vector(share * np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z]))
+            whole = np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z])
+            force = share * replace(view, mirrored=False).vector(whole)  # the work pushes no other way for anybody
             full = dict(zip("xyz", (force.round(4) + 0.0).tolist(), strict=True))
             course = ((begin, False), (begin + rise, True), (end - rise, True), (end, False))
             points = tuple(TimedForce(cycle_time_s=time, **(full if on else {})) for time, on in course)

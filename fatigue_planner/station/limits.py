@@ -1,4 +1,4 @@
-"""Limits that bind the robot: how long a worker may be in a posture. What breaks one is no choice of any policy."""
+"""Limits that bind the robot: how long a worker may be in a posture. What breaks one is never recommended."""
 
 from typing import Literal, NamedTuple
 

@@ -1,5 +1,6 @@
 """The content of a station file: who works there, where, with what, how long. What is left out is unknown or usual."""
 
+import math
 import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
@@ -29,6 +30,8 @@ Hands = Literal["right", "left", "either", "both"]
 
 # How many places the operations of a cycle can be combined in, and how many motions there are to simulate.
 MAX_COMBINATIONS, MAX_MOTIONS = 1000, 2000
+# How far a place is at most in m, and how large a force in N, whichever way the worker faces.
+FARTHEST_M, STRONGEST_N = 2.5, 1000.0
 _MASS = re.compile(r"([0-9]+(?:\.[0-9]+)?) ?kg")
 Percentile = Annotated[float, Field(ge=1, le=99)]
 
@@ -172,6 +175,8 @@ class ShiftHours(Settings):
                     f"ends after the shift ({60 * self.hours:g} min)"
                 )
             end = one.at_min + one.minutes
+        if sum(one.minutes for one in self.breaks) >= 60 * self.hours:
+            raise ValueError(f"breaks: they leave nothing of the {self.hours:g} h to work in")
         return self
 
 
@@ -256,6 +261,12 @@ class Station(Settings):
             yield from self._tool_faults(f"{key}.tool", operation.tool)
         for name, at in self.places.items():
             yield from self._tool_faults(f"places.{name}.tool", at.tool)
+            if (away_m := math.hypot(at.x, at.y)) > FARTHEST_M:
+                yield f"places.{name}: is {away_m:.2f} m from between the feet; at most {FARTHEST_M:g} m"
+        for name, tool in self.tools.items():
+            force = tool.force_n or Force()
+            if (force_n := math.hypot(force.x, force.y, force.z)) > STRONGEST_N:
+                yield f"tools.{name}.force_n: is {force_n:.0f} N; at most {STRONGEST_N:g} N"
 
     def _binding_faults(self) -> Iterator[str]:
         if unknown := [kind for kind in self.binding if kind not in INDICATORS.kinds()]:

@@ -14,11 +14,12 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.motion.action import Orientation
 from fatigue_planner.motion.payload import CarriedMass, HandForce
+from fatigue_planner.station.changes import changed_stations
 from fatigue_planner.station.experiments import Part, parts_of
 from fatigue_planner.station.judging import shift_of, stated
 from fatigue_planner.station.loader import load_station, parse_station
 from fatigue_planner.station.schema import Station
-from fatigue_planner.station.workers import facts_of
+from fatigue_planner.station.workers import facts_of, worker_of
 
 # What an ergonomist wrote, without the keys that no tool can guess (`handed`, `actions`).
 WISH = """\
@@ -121,6 +122,30 @@ def test_strength_is_a_percentile_of_its_own() -> None:
     assert facts.strength == "average_woman:p5" and facts.stature_m == 1.74
 
 
+def test_a_percentile_of_strength_may_have_many_digits() -> None:
+    said = station(workers={"bob": {"percentile": 50, "sex": "male", "strength_percentile": 12.345}})
+    assert worker_of(said, "bob").strength.endswith(":p12.35")
+
+
+def test_nearer_is_nearer_whichever_way_the_worker_faces() -> None:
+    said = station(
+        places={name: {"x": 0.1, "y": 0.6, "z": 1.2, "tool": "gun"} for name in ("overhead", "door", "plug")}
+    )
+    nearer = next(changed for change, changed in changed_stations(said) if str(change) == "door 10 cm nearer")
+    near, far = (np.hypot(each.places["door"].x, each.places["door"].y) for each in (nearer, said))
+    assert far - near == pytest.approx(0.1, abs=1e-4)
+
+
+def test_the_force_of_the_work_is_not_mirrored() -> None:
+    """A part that pushes to the left pushes the left-hander, who works in the mirror, to the left, too."""
+    tools = {"gun": {"mass_kg": 3, "force_n": {"y": 40}}}
+    places = {"door": {"x": 0.4, "y": 0, "z": 1.1, "tool": "gun"}}
+    said = station(tools=tools, places=places, operations={"fit": {"places": "door", "seconds": 5}})
+    for hand in ("right", "left"):
+        (force,) = (load for load in part_of(said, (hand,)).experiment.actions["door"].loads if load.kind == "force")
+        assert max(point.y for point in force.force_n) == 40
+
+
 def test_the_stations_own_population_counts() -> None:
     own = {"female": {"stature_m": {"mean": 1.66, "sd": 0.065}, "mass_kg": {"mean": 68.7, "sd": 12.0}}}
     said = station(population=own, workers={"anna": {"percentile": 5, "sex": "female"}})
@@ -138,6 +163,7 @@ def test_the_indicators_hear_what_is_stated() -> None:
     assert shift.cycle_s == 42 and shift.hours == pytest.approx(7.25)
     assert (shift.spell_h, shift.break_h) == (pytest.approx(210 / 60), 0)  # from the last break to the end
     assert shift_of(said.model_copy(update={"shift": None})).hours is None
+    assert shift_of(station(shift={"hours": 24})).spell_h == 24
 
 
 @pytest.mark.parametrize(
@@ -152,6 +178,9 @@ def test_the_indicators_hear_what_is_stated() -> None:
         ({"ways": ["arm", "arm"]}, "ways: names a way twice"),
         ({"shift": {"hours": 8, "breaks": [{"at_min": 470, "minutes": 15}]}}, "shift: breaks: the one at 470 min"),
         ({"tool": {"gun": "3 kg"}}, "tool: unknown key; did you mean 'tools'?"),
+        ({"shift": {"hours": 8, "breaks": [{"at_min": 0, "minutes": 480}]}}, "shift: breaks: they leave nothing of"),
+        ({"places": {"door": {"x": 2.0, "y": 2.0, "z": 1}}}, "places.door: is 2.83 m from between the feet"),
+        ({"tools": {"gun": {"mass_kg": 3, "force_n": {"x": 900, "y": 900}}}}, "tools.gun.force_n: is 1273 N; at most"),
     ],
 )  # fmt: skip
 def test_mistakes_are_named_with_the_right_way(more: dict[str, Any], expected: str) -> None:
