@@ -118,6 +118,10 @@ class Job:
         """How long all operations of a cycle take."""
         return sum(operation.seconds_per_cycle for operation in self.operations)
 
+    def working_with(self, side: str) -> list[Operation]:
+        """The operations in which the hand of a side works."""
+        return [operation for operation in self.operations if side in operation.request.action.goals()]
+
     def times_per_minute(self, operation: Operation) -> float:
         """How often an operation is done in a minute, as far as is stated; 0 if the length of the cycle is not."""
         return 60 * operation.stated.times_per_cycle / self.shift.cycle_s if self.shift.cycle_s else 0.0

@@ -50,15 +50,15 @@ class Duet(Indicator):
 
         def doses(side: str, chosen: Mapping[str, Any]) -> list[float]:
             cycles = 3600 * (job.shift.hours or chosen["hours"]) / job.cycle_s
-            return [cycles * dose_per_cycle(one, chosen.get("omni_effort", 0)) for one in working_with(job, side)]
+            return [cycles * dose_per_cycle(one, chosen.get("omni_effort", 0)) for one in job.working_with(side)]
 
-        sides = [side for side in SIDES if working_with(job, side)]
+        sides = [side for side in SIDES if job.working_with(side)]
         value, base, decides = spanned(
             lambda chosen: 100 * probability(max(sum(doses(side, chosen)) for side in sides)), unknown
         )
         first = {one.key: one.first for one in unknown}
         side = max(sides, key=lambda one: sum(doses(one, first)))
-        operations, own = working_with(job, side), doses(side, first)
+        operations, own = job.working_with(side), doses(side, first)
         line = 100 * probability(CUT_POINT)
         levels = tuple(Level.ACCEPTABLE if end < line else Level.INVESTIGATE for end in value)
         words = ("below the cut point", "at or above the cut point")
@@ -78,11 +78,6 @@ class Duet(Indicator):
                 Phrase("The method knows no recovery."),
             ),
         )
-
-
-def working_with(job: Job, side: str) -> list[Operation]:
-    """The operations in which the hand of a side works."""
-    return [operation for operation in job.operations if side in operation.request.action.goals()]
 
 
 def dose_per_cycle(operation: Operation, otherwise: float) -> float:

@@ -48,8 +48,7 @@ class StrainIndex(Indicator):
         def of_side(side: str, chosen: Mapping[str, Any]) -> float:
             efforts = [
                 effort_of(operation, side, job.cycle_s, chosen.get("effort_share", 0.0))
-                for operation in job.operations
-                if side in operation.request.action.goals()
+                for operation in job.working_with(side)
             ]
             return composite_index(efforts, job.shift.hours or chosen["hours"]) if efforts else 0.0
 
@@ -57,7 +56,7 @@ class StrainIndex(Indicator):
         first = {one.key: one.first for one in unknown}
         side = max(SIDES, key=lambda one: of_side(one, first))
         hours = job.shift.hours or HOURS[0]
-        working_there = [operation for operation in job.operations if side in operation.request.action.goals()]
+        working_there = job.working_with(side)
         efforts = [effort_of(operation, side, job.cycle_s, 0.0) for operation in working_there]
         which = int(np.argmax([strain_index(effort, hours) for effort in efforts]))
         levels = tuple(Level.ACCEPTABLE if end <= SAFE else Level.NOT_ACCEPTABLE for end in value)
