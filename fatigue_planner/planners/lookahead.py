@@ -102,10 +102,9 @@ class LookaheadPolicy(Policy):
         return np.asarray(levels.values[0].copy())
 
     def _room(self, belief: Belief, bound_arrays: Any) -> tuple[Levels, Any]:
-        """Working memory, kept from decision to decision."""
-        model = belief.model
+        """Working memory, kept from decision to decision on the same problem."""
         plans = bound_arrays.constant.shape[1] if isinstance(bound_arrays, PlanValues) else 0
-        shape = *belief.states.shape, plans, len(model.actions), len(model.outcomes), len(model.observations)
+        shape = *belief.states.shape, plans
         if self._memory is None or self._shape != shape:
             self._memory, self._shape = self._new_room(belief, bound_arrays), shape
             self._workspace = new_workspace(belief.states.shape[1], len(belief.model.outcomes), 0)
