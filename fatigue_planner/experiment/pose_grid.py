@@ -49,7 +49,7 @@ def expand_pose_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str
     for name, action in actions.items():
         try:
             singles = _expand(name, action, MAX_ACTIONS - len(expanded))
-        except _GridError as error:
+        except GridError as error:
             faults += error.args
             singles = [(name, action)]
         for full_name, single in singles:
@@ -62,25 +62,25 @@ def expand_pose_grids(content: dict[str, Any]) -> tuple[dict[str, Any], list[str
     return content | {"actions": expanded}, faults
 
 
-class _GridError(Exception):
+class GridError(Exception):
     """The faults of one action's grid."""
 
 
 def _expand(name: str, action: Any, max_actions: int) -> list[tuple[str, Any]]:
-    """The actions of a grid by name, at most `max_actions`; any other action as it is. Raises _GridError."""
+    """The actions of a grid by name, at most `max_actions`; any other action as it is. Raises GridError."""
     axes: dict[str, dict[str, list[float]]] = {}  # axis -> hand -> values
     for hand, axis, value in _ranges(action):
         key = dotted(["actions", name, hand, "position_m", axis])
-        axes.setdefault(axis, {})[hand] = _range(key, value).values()
+        axes.setdefault(axis, {})[hand] = range_of(key, value).values()
     if not axes:
         return [(name, action)]
     key = dotted(["actions", name])
     for axis, hands in axes.items():
         if len({len(values) for values in hands.values()}) > 1:
-            raise _GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
+            raise GridError(f"{key}: the ranges of {axis} of both hands must have the same count.")
     counts = [range(len(next(iter(hands.values())))) for hands in axes.values()]
     if (size := math.prod(map(len, counts))) > max_actions:
-        raise _GridError(f"{key}: its grid has {size} points; at most {MAX_ACTIONS} actions are allowed in all.")
+        raise GridError(f"{key}: its grid has {size} points; at most {MAX_ACTIONS} actions are allowed in all.")
     singles = []
     for indices in itertools.product(*counts):
         single = dict(action)
@@ -91,7 +91,7 @@ def _expand(name: str, action: Any, max_actions: int) -> list[tuple[str, Any]]:
                 goal = single[hand]
                 single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[index]}}
         if len(label) > MAX_NAME_LENGTH:
-            raise _GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
+            raise GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
         singles.append((label, single))
     return singles
 
@@ -106,9 +106,10 @@ def _ranges(action: Any) -> Iterator[tuple[str, str, dict[str, Any]]]:
                 yield hand, axis, value
 
 
-def _range(key: str, value: dict[str, Any]) -> Range:
+def range_of(key: str, value: dict[str, Any]) -> Range:
+    """The range of a coordinate; `key` is its place in the file. Raises GridError with all that is wrong with it."""
     try:
         return Range.model_validate(value, strict=True)
     except ValidationError as error:
         example = "A range is {from: 0.3, to: 0.6, count: 5}."
-        raise _GridError(*(f"{line} {example}" for line in error_lines(error, Range, key))) from error
+        raise GridError(*(f"{line} {example}" for line in error_lines(error, Range, key))) from error

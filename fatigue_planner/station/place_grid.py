@@ -4,11 +4,9 @@ import itertools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
 from fatigue_planner.core.settings import MAX_NAME_LENGTH
-from fatigue_planner.experiment.error_messages import dotted, error_lines
-from fatigue_planner.experiment.pose_grid import AXES, Range
+from fatigue_planner.experiment.error_messages import dotted
+from fatigue_planner.experiment.pose_grid import AXES, GridError, range_of
 
 # As many as an operation can choose between.
 MAX_POINTS = 100
@@ -43,11 +41,9 @@ def _points(
     for axis, value in ranges.items():
         key = dotted(["places", name, axis])
         try:
-            values[axis] = Range.model_validate(value, strict=True).values()
-        except ValidationError as error:
-            faults += [
-                f"{line} A range is {{from: 0.3, to: 0.6, count: 5}}." for line in error_lines(error, Range, key)
-            ]
+            values[axis] = range_of(key, value).values()
+        except GridError as error:
+            faults += error.args
     if len(values) < len(ranges):
         return
     points = list(itertools.product(*values.values()))
