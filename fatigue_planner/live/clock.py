@@ -11,7 +11,14 @@ BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 class Clock(ABC):
     """Where a session takes its times from; a test or a rehearsal has one of its own.
 
-    >>> fp.SystemClock().seconds() > 0
+    >>> class Standing(fp.Clock):
+    ...     def seconds(self):
+    ...         return 0.0
+    ...     def utc(self):
+    ...         return datetime.datetime(2026, 1, 1, tzinfo=datetime.UTC)
+    ...     def origin(self):
+    ...         return "nowhere"
+    >>> isinstance(Standing(), fp.Clock)
     True
     """
 

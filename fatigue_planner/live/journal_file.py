@@ -135,8 +135,10 @@ def pseudonyms(path: Path) -> dict[str, str]:
 def erase(path: Path, pseudonym: str) -> bool:
     """Erase what joins a worker's events to a pseudonym; whether there was such a worker.
 
-    No byte of the pseudonym is left in the journal's files. Raises JournalInUseError while a session writes it.
+    No byte of the pseudonym is left in the journal's files. Raises JournalInUseError while a session writes it, and
+    what `read_journal` raises.
     """
+    read_journal(path)
     with lock(path), closing(connect(path)) as connection:
         erased = connection.execute("DELETE FROM worker WHERE pseudonym = ?", (pseudonym,)).rowcount > 0
         connection.execute("VACUUM")

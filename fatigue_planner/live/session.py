@@ -70,6 +70,10 @@ class CycleDecision:
         asked for. late: it took longer than the deadline.
     recorded: the number of the last event that was handed over to the journal; durable_up_to: of the last on the disk.
         What is newer than that should be kept, and said again after a restart.
+
+    >>> with fp.Session.open(folder / "example.fatplan", scenario) as session:
+    ...     session.decide().fallback
+    'none'
     """
 
     cycle: int
