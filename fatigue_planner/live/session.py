@@ -49,6 +49,7 @@ from fatigue_planner.live.events import (
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Choice, Shift
+from fatigue_planner.live.state import Counts, SessionState, joint_fatigue
 from fatigue_planner.live.table import Prepared, Table
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
@@ -84,19 +85,6 @@ class CycleDecision:
     late: bool
     recorded: int
     durable_up_to: int
-
-
-@dataclass
-class Counts:
-    """What did not go as planned since the shift began."""
-
-    unseen: int = 0
-    unseen_in_a_row: int = 0
-    late: int = 0
-    fallback: int = 0
-    other_actions: int = 0
-    surprised: int = 0
-    contradicted: int = 0
 
 
 class Session:
@@ -286,15 +274,28 @@ class Session:
         with self._lock:
             self._record(Noted(text=text[:MAX_NOTE_LENGTH]))
 
+    def state(self) -> SessionState:
+        """Where the shift stands, for people to look at."""
+        with self._lock:
+            pending = self._pending
+            return SessionState(
+                cycle=self._shift.cycle,
+                action=None if pending is None else pending.action,
+                fallback="none" if pending is None else pending.fallback,
+                since_s=max(self._clock.seconds() - self._ended_s, 0.0),
+                worker=self._shift.worker,
+                advised=self._shift.advised,
+                counts=replace(self.counts),
+                joints=joint_fatigue(self._shift.belief),
+                recorded=self._recorded,
+                durable_up_to=self._journal.durable_up_to,
+                fault=self._journal.fault,
+            )
+
     @property
     def cycle(self) -> int:
         """The number of the cycle that comes or goes on."""
         return self._shift.cycle
-
-    @property
-    def fault(self) -> str:
-        """Why nothing is recorded any more; "" as long as it is."""
-        return self._journal.fault
 
     def digest(self) -> str:
         """SHA-256 of the belief and of where the shift stands."""
@@ -410,22 +411,7 @@ class Session:
             self._table.prepare(self._shift.belief, self._pending.cycle, self._pending.action)
 
     def _account(self, event: Event) -> None:
-        """Count what did not go as planned."""
-        counts = self.counts
-        match event:
-            case Decided():
-                counts.late += event.late
-                counts.fallback += event.fallback != "none"
-            case Observed(late=True):
-                counts.unseen -= 1
-            case Observed():
-                counts.unseen += event.is_blind
-                counts.unseen_in_a_row = counts.unseen_in_a_row + 1 if event.is_blind else 0
-                counts.other_actions += self._pending is not None and event.executed != self._pending.action
-            case WorkerChanged():
-                counts.unseen_in_a_row = 0
-            case Contradicted():
-                counts.contradicted += 1
+        self.counts.add(event, None if self._pending is None else self._pending.action)
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
