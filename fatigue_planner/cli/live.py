@@ -57,10 +57,11 @@ def serve(
     known = loaded.benchmark.policies
     if policy is not None and policy not in known:
         raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
-    chosen = next(iter(loaded.benchmark.conditions)) if condition is None else condition
-    if chosen not in loaded.benchmark.conditions:
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
         raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(loaded.benchmark.conditions)}."
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
         )
     profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
     warn(omissions(loaded, profiles))

@@ -209,13 +209,8 @@ class Session:
         with self._turn() as began:
             event = self._checked(cycle, executed, observation, likelihood, duration_s)
             before = self._shift.recent(cycle)
-            if cycle == self._shift.cycle:
+            if before is None:
                 self._end(event.model_copy(update={"idle_s": self._idle(event)}))
-            elif before is None:
-                raise CycleError(
-                    f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
-                    f"only the last {LATE_CYCLES} before it may be told late."
-                )
             elif _says_the_same(event, before):
                 pass
             elif isinstance(before, Observed) and before.is_blind:
@@ -367,8 +362,13 @@ class Session:
         model = self._shift.scenario.model
         if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
             raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
+        before = self._shift.recent(cycle)
+        if cycle != self._shift.cycle and before is None:
+            raise CycleError(
+                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
+                f"only the last {LATE_CYCLES} before it may be told late."
+            )
         if executed is None:
-            before = self._shift.recent(cycle)
             decided = self._pending if self._pending is not None and self._pending.cycle == cycle else before
             executed = getattr(decided, "action", None) or getattr(decided, "executed", None)
             if executed is None:
@@ -391,7 +391,7 @@ class Session:
 
     def _idle(self, event: Observed) -> float:
         """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
-        planned_s = self._shift.planned_s(event) if event.duration_s is None else event.duration_s
+        planned_s = self._shift.planned_s if event.duration_s is None else event.duration_s
         idle_s = self._clock.seconds() - self._ended_s - planned_s
         return 0.0 if idle_s < MIN_IDLE_S else min(idle_s, MAX_SECONDS)
 

@@ -2,7 +2,6 @@
 
 import hashlib
 from collections import deque
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -129,18 +128,29 @@ class Shift:
             case Skipped():
                 return belief.rest(event.duration_s)
             case Observed():
-                model = belief.model
                 rng = random_stream(0, "live", self.session, self.worker, event.cycle)
                 if event.idle_s:
                     belief = belief.rest(event.idle_s)
-                action = model.actions.index(event.executed)
-                if event.likelihood is not None:
-                    return belief.weigh(action, by_number(event.likelihood, model.outcomes), rng, event.duration_s)
-                if event.observation is not None:
-                    number = model.observations.index(event.observation)
-                    return belief.update(action, number, rng, event.duration_s)
-                return belief.predict(action, rng, event.duration_s)
+                action = belief.model.actions.index(event.executed)
+                if event.observation is not None and event.duration_s is None:
+                    return belief.update(action, belief.model.observations.index(event.observation), rng)
+                return belief.weigh(action, self.likelihood(event), rng, duration_s=event.duration_s)
         raise AssertionError(event)
+
+    def likelihood(self, event: Observed) -> Vector:
+        """How likely what was seen of a cycle is under every reaction, (U,)."""
+        model = self.scenario.model
+        if event.likelihood is not None:
+            return np.array([event.likelihood.get(name, 0.0) for name in model.outcomes])
+        if event.observation is not None:
+            return np.asarray(model.arrays.observation[:, model.observations.index(event.observation)])
+        return np.ones(len(model.outcomes))
+
+    @property
+    def planned_s(self) -> float:
+        """The planned duration of a cycle."""
+        assert self.scenario.model.timing is not None
+        return self.scenario.model.timing.cycle_s
 
     def digest(self) -> str:
         """SHA-256 of where the shift stands."""
@@ -175,11 +185,6 @@ class Shift:
                 belief = self.after(belief, one)
         self._past = deque(past, LATE_CYCLES)
         self.belief = belief
-
-
-def by_number(likelihood: Mapping[str, float], outcomes: tuple[str, ...]) -> Vector:
-    """A likelihood of every reaction (U,), 0 for those not named."""
-    return np.array([likelihood.get(name, 0.0) for name in outcomes])
 
 
 def _known_beforehand(policy: Policy, belief: Belief) -> Counts | None:

@@ -266,16 +266,16 @@ def test_after_a_restart_of_the_machine_the_time_of_day_counts(
 
 
 def test_another_situation_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock, cache_folder: Path) -> None:
-    fp.Session.open(path, scenario, clock=clock).close()
+    fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
     experiment = fp.load(PAPER)
     other = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "single_novice")
     with pytest.raises(OtherSituationError, match=r"the scenario .* changed"):
-        fp.Session.open(path, other, clock=clock)
+        fp.Session.open(path, other, safe_action="low", clock=clock)
     with pytest.raises(OtherSituationError, match="the policy changed"):
-        fp.Session.open(path, scenario, "greedy", clock=clock)
+        fp.Session.open(path, scenario, "greedy", safe_action="low", clock=clock)
     with pytest.raises(OtherSituationError, match="the safe action changed"):
         fp.Session.open(path, scenario, safe_action="high", clock=clock)
-        fp.Session.open(path, scenario, safe_action="low", clock=clock)
+    fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
 
 
 @pytest.mark.parametrize("kind", ["random", {"kind": "threshold", "fatigue_threshold": 0.1}], ids=str)

@@ -69,6 +69,8 @@ class Face:
 
     async def _stream(self, request: HttpRequest) -> AsyncIterator[str]:
         """The newest state, whole, for as long as it is read: who is slow misses states, and none are kept for him."""
+        if self._watchers >= MAX_WATCHERS:  # many began at once
+            return
         self._watchers += 1
         try:
             while not await request.is_disconnected():

@@ -34,11 +34,13 @@ class LimitedProtocol(H11Protocol):
             transport.abort()
             return
         super().connection_made(transport)
+        self._acknowledge_at_once()
         self._wait_for_headers()
 
     def data_received(self, data: bytes) -> None:
         """See H11Protocol."""
         super().data_received(data)
+        self._acknowledge_at_once()
         if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
             self._wait_for_headers()
         else:
@@ -48,6 +50,11 @@ class LimitedProtocol(H11Protocol):
         """See H11Protocol."""
         self._stop_waiting()
         super().connection_lost(exc)
+
+    def _acknowledge_at_once(self) -> None:
+        """Many clients send headers and body apart, and wait with the body for what is usually sent 40 ms later."""
+        if hasattr(socket, "TCP_QUICKACK") and not self.transport.is_closing():  # Linux; to be said again every time
+            self.transport.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
 
     def _wait_for_headers(self) -> None:
         if self._too_slow is None:
