@@ -51,11 +51,6 @@ class LimitedProtocol(H11Protocol):
         self._stop_waiting()
         super().connection_lost(exc)
 
-    def _acknowledge_at_once(self) -> None:
-        """Many clients send headers and body apart, and wait with the body for what is usually sent 40 ms later."""
-        if hasattr(socket, "TCP_QUICKACK") and not self.transport.is_closing():  # Linux; to be said again every time
-            self.transport.get_extra_info("socket").setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
-
     def _wait_for_headers(self) -> None:
         if self._too_slow is None:
             self._too_slow = self.loop.call_later(HEADERS_WAIT_S, self.transport.abort)
@@ -71,7 +66,8 @@ def bound(host: str, port: int) -> socket.socket:
     if host not in LOOPBACK:
         raise SelectionError(f"host {host}: the face serves this machine only; use one of {', '.join(LOOPBACK)}.")
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listening = socket.socket(family, socket.SOCK_STREAM)
+    # with the protocol named, asyncio sends what is written at once (TCP_NODELAY)
+    listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
