@@ -34,13 +34,11 @@ class LimitedProtocol(H11Protocol):
             transport.abort()
             return
         super().connection_made(transport)
-        self._acknowledge_at_once()
         self._wait_for_headers()
 
     def data_received(self, data: bytes) -> None:
         """See H11Protocol."""
         super().data_received(data)
-        self._acknowledge_at_once()
         if self.conn.their_state is h11.IDLE and not self.transport.is_closing():
             self._wait_for_headers()
         else:
