@@ -73,6 +73,8 @@ def _moved(station: Station) -> Iterator[tuple[Phrase, Station]]:
     used = dict.fromkeys(place for each in station.operations.values() for place in each.places)
     for name in used:
         at = station.places[name]
+        if at.map is not None:  # its neighbours on the map say it already
+            continue
         ahead_m = math.hypot(at.x, at.y) if station.feet == "free" else at.x
         if ahead_m - STEP_M >= LEAST_M:
             part = 1 - STEP_M / ahead_m

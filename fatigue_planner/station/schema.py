@@ -113,6 +113,10 @@ class Place(Position):
         description="How the hand is held, in degrees; {y: -90} is a fist that points forward. Default: as it likes.",
     )
     tool: Name | None = Field(default=None, description="The tool that is used at this place instead of another.")
+    map: Name | None = Field(
+        default=None,
+        description="The map of the page on which the place is drawn. Default: none; of a point of a grid, the grid's.",
+    )
 
 
 def _names(value: Any) -> Any:
@@ -242,6 +246,7 @@ class Station(Settings):
     def _check_across(self) -> Self:
         if faults := [
             *self._name_faults(),
+            *self._map_faults(),
             *self._binding_faults(),
             *self._population_faults(),
             *self._time_faults(),
@@ -267,6 +272,12 @@ class Station(Settings):
             force = tool.force_n or Force()
             if (force_n := math.hypot(force.x, force.y, force.z)) > STRONGEST_N:
                 yield f"tools.{name}.force_n: is {force_n:.0f} N; at most {STRONGEST_N:g} N"
+
+    def _map_faults(self) -> Iterator[str]:
+        drawn: dict[tuple[Any, ...], str] = {}
+        for name, at in self.places.items():
+            if at.map is not None and (other := drawn.setdefault((at.map, at.x, at.y, at.z), name)) != name:
+                yield f"places.{name}.map: {other} is at the same point of map {at.map}, which shows one place there"
 
     def _binding_faults(self) -> Iterator[str]:
         if unknown := [kind for kind in self.binding if kind not in INDICATORS.kinds()]:

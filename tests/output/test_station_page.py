@@ -22,12 +22,14 @@ from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase
 from fatigue_planner.ergonomics.stated import Circumstances
+from fatigue_planner.experiment.pose_grid import point_name
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.plausibility import BARS, Finding
 from fatigue_planner.output.reports.station import catalogue as texts
 from fatigue_planner.output.reports.station.catalogue import Catalogue, catalogue_of, languages
 from fatigue_planner.output.reports.station.compare import BETTER, SAME, WORSE, compare_stations, comparison_page
+from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.page import pictured, station_page
 from fatigue_planner.output.reports.station.pictures import Posture
 from fatigue_planner.output.reports.station.stored import StoredAssessment
@@ -41,6 +43,8 @@ from fatigue_planner.station.assessment import (
     Judged,
     Kind,
     Outcome,
+    PlaceForWorker,
+    PlaceSummary,
     ReachShare,
     Rotation,
     Rule,
@@ -51,7 +55,7 @@ from fatigue_planner.station.changes import LIGHTER
 from fatigue_planner.station.limits import Breach, Limit
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.recommendation import excluded, places_for_workers, summaries
-from fatigue_planner.station.schema import Station
+from fatigue_planner.station.schema import Place, Station
 from fatigue_planner.station.statements import assumptions_of, headline_of
 from fatigue_planner.station.tables import plain
 from fatigue_planner.station.workers import facts_of
@@ -63,8 +67,10 @@ KINDS: dict[str, Kind] = {"overhead": "missed", "door": "reached", "floor": "too
 
 
 def line() -> Station:
-    """The car line that ships, with a limit."""
+    """The car line that ships, with a limit and a map."""
     found = load_station(find_shipped(Path("car_line")))
+    places = {name: each.model_copy(update={"map": "line"}) for name, each in found.places.items()}
+    found = found.model_copy(update={"places": places})
     return found.model_copy(update={"limits": (Limit(measure="upper_arm_elevation", above_deg=60, at_most_s=2),)})
 
 
@@ -260,6 +266,60 @@ def test_nobody_reaches_anything(assessment: StationAssessment) -> None:
     )  # fmt: skip
     page = words(Reader(station_page(nobody, {}, catalogue_of("de"))).text)
     assert "Kein Bild: Niemand erreicht einen Ort." in page
+
+
+def grid_of(station: Station) -> Station:
+    """The same with a rack of six places instead of the door."""
+    points = {point_name("rack", {"x": x, "z": z}): (x, z) for x in (0.3, 0.45, 0.6) for z in (0.9, 1.4)}
+    at = {name: Place(x=x, y=-0.1, z=z, tool="gun", map="rack") for name, (x, z) in points.items()}
+    fit = station.operations["fit"].model_copy(update={"places": tuple(at)})
+    return station.model_copy(update={"places": at, "operations": {"fit": fit}})
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_grid_of_places_is_drawn_as_a_map(assessment: StationAssessment, language: str) -> None:
+    """Every place once, at its row and column, with its level as a sign, who cannot, fatigue, rule and score."""
+    station = grid_of(assessment.station)
+    rules, judged = assessment.judged[0].by, assessment.judged[0]
+    names = list(station.operations["fit"].places)
+    levels = [Level.ACCEPTABLE, Level.INVESTIGATE, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE, None, None]
+    found = tuple(
+        PlaceSummary(
+            "fit", name, ("tall_man",) if level is not None else (), ("small_woman",) if i in (3, 4, 5) else (), level,
+            rules if level else (), (), None if level is None else 0.1 * (i + 1), "" if level is None else ENTRY, 0.01,
+        )
+        for i, (name, level) in enumerate(zip(names, levels, strict=True))
+    )  # fmt: skip
+    doing = Doing("tall_man", "fit", names[1], "arm")
+    place = PlaceForWorker("tall_man", "fit", names[1], "arm", Level.INVESTIGATE, Outcome(doing, ("right",), "reached"))
+    made = replace(
+        assessment, station=station, summaries=found, places=(place,), judged=(replace(judged, doing=doing),),
+        best=BestPlaces({"fit": names[0]}, 0.1, 0.01, {}, None, {}),
+    )  # fmt: skip
+    wording = Wording(catalogue_of(language), assessment.workers)
+    (drawn,) = maps(made, wording)
+    assert not wording.catalogue.missing and drawn.words in drawn.svg
+    assert all(f" {count} " in f" {drawn.words} " for count in (6, 1, 2))
+    cells = re.findall(r"<g><title>([^<]*)</title>(.*?)</g>", drawn.svg)
+    texts_of = [re.findall(r"<text[^>]*>([^<]*)", inside) for _, inside in cells]
+    told = dict(zip(names, texts_of, strict=True))
+    percent = [wording.percent(0.1 * (i + 1)) for i in range(6)]
+    score = judged.judgements["rula"].value
+    assert score is not None
+    assert list(told.values()) == [
+        ["★ ●", percent[0]], ["▲ 1", percent[1], f"R {score.low:.0f}"], ["■ 1", percent[2]],
+        ["■ 1", percent[3], "✕ 1"], ["✕"], ["✕"],
+    ]  # fmt: skip
+    assert all(wording.name(name) in title for name, (title, _) in zip(names, cells, strict=True))
+    assert wording.worker("small_woman") in cells[3][0] and "ISO 11226" in cells[3][0]
+    dashed = ["stroke-dasharray" in inside for _, inside in cells]
+    assert dashed == [False, False, False, True, True, True]
+    hatched = ["<path" in inside for _, inside in cells]
+    assert hatched == [level == Level.NOT_ACCEPTABLE for level in levels]
+    corners = [tuple(map(float, re.search(r'rect x="([\d.]+)" y="([\d.]+)"', inside).groups())) for _, inside in cells]  # type: ignore[union-attr]
+    columns, rows = (sorted({corner[axis] for corner in corners}) for axis in (0, 1))
+    assert [(columns.index(x), rows.index(y)) for x, y in corners] == [(0, 1), (0, 0), (1, 1), (1, 0), (2, 1), (2, 0)]
+    assert any("1 ISO 11226" in line for line in drawn.legend)
 
 
 # The catalogues.

@@ -221,7 +221,11 @@ def test_a_grid_of_places_is_a_map() -> None:
     names = ["rack_x0.3_z1", "rack_x0.3_z1.2", "rack_x0.3_z1.4", "rack_x0.4_z1", "rack_x0.4_z1.2", "rack_x0.4_z1.4"]
     assert said.operations["fit"].places == ("floor", *names)
     at = said.places["rack_x0.4_z1.2"]
-    assert (at.x, at.y, at.z, at.tool) == (0.4, -0.1, 1.2, "gun")
+    assert (at.x, at.y, at.z, at.tool, at.map) == (0.4, -0.1, 1.2, "gun", "rack")
+    assert said.places["floor"].map is None
+    aside = {"x": 0.4, "y": {"from": -0.2, "to": 0.2, "count": 2}, "z": 1.0}
+    named = station(places={"a-b": aside}, operations={"fit": {"places": "a-b", "seconds": 5}})
+    assert named.operations["fit"].places == ("a-b_ym0.2", "a-b_y0.2")
     single = station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
     assert single.operations["fit"].places == tuple(names)
 
@@ -232,12 +236,22 @@ def test_a_grid_of_places_is_a_map() -> None:
         ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4}}, "places.rack.z.count: is missing. A range is {from: 0.3"),
         ({"x": {"from": 0.3, "to": 0.5, "count": 20}, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 20}},
          "places.rack: its grid has 400 points"),
+        ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 2}},
+         "places.rack: its grid makes rack_z1.4, a name that another place has."),
     ],
 )  # fmt: skip
 def test_a_faulty_grid_of_places_is_named(rack: dict[str, Any], expected: str) -> None:
     with pytest.raises(ExperimentError) as error:
-        station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+        station(places={"rack": rack, "rack_z1.4": {"x": 0.3, "y": 0, "z": 1.4}},
+                operations={"fit": {"places": "rack", "seconds": 5}})  # fmt: skip
     assert expected in str(error.value)
+
+
+def test_a_map_shows_one_place_at_a_point() -> None:
+    at = {"x": 0.3, "y": 0, "z": 1.0, "map": "rack"}
+    with pytest.raises(ExperimentError, match="a is at the same point of map rack"):
+        station(places={"a": at, "b": at}, operations={"fit": {"places": ["a", "b"], "seconds": 5}})
+    station(places={"a": at, "b": at | {"map": "other"}}, operations={"fit": {"places": ["a", "b"], "seconds": 5}})
 
 
 def test_what_init_writes_is_a_station(tmp_path: Path) -> None:
