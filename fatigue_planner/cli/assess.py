@@ -74,11 +74,12 @@ def assess(
 
 def _text(found: "StationAssessment") -> list[str]:
     """What an ergonomist needs first, then who of a population can, then what it rests on."""
-    from fatigue_planner.station.statements import of_changes, of_population, of_rotation
+    from fatigue_planner.station.statements import of_changes, of_population, of_rotation, of_sensing
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += [f"  {phrase}." for phrase in found.headline]
-    lines += [f"  {phrase}." for phrase in of_rotation(found.rotation)]
+    planned = (*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing))
+    lines += [f"  {phrase}." for phrase in planned]
     if found.changes:
         lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
     lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]

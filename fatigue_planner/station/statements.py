@@ -13,6 +13,7 @@ from fatigue_planner.station.assessment import (
     ReachShare,
     Rotation,
     Rule,
+    Sensing,
     WholeCycle,
 )
 from fatigue_planner.station.schema import Station
@@ -63,6 +64,21 @@ CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} a
 CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"
+SENSING = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it saves {saving:.1%} "
+    "({low:z.1%} to {high:z.1%}) of the cost of fatigue over the best schedule; no plan can save more than {most:.1%}"
+)
+SENSING_NOT_SHOWN = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it saves nothing that can be "
+    "shown over the best schedule: {low:z.1%} to {high:z.1%} of the cost of fatigue; no plan can save more than "
+    "{most:.1%}"
+)
+SENSING_NOTHING = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it always chooses as the best "
+    "schedule does, so sensing saves nothing; no plan can save more than {most:.1%} of the cost of fatigue"
+)
+SENSING_CERTAIN = "Planning with sensing saves nothing: every worker has one way to work at each allowed place"
+SENSING_NO_CHOICE = "Planning with sensing saves nothing: there is no choice between allowed places"
 
 Phrases = Iterator[Phrase]
 # Of a population, also with shorter arms.
@@ -198,6 +214,23 @@ def of_rotation(rotation: Rotation | None) -> Phrases:
     else:
         sequence = " - ".join("+".join(places.values()) for places in rotation.sequence)
         yield Phrase(ROTATION, {"sequence": sequence, "saving": rotation.saving})
+
+
+def of_sensing(station: Station, best: BestPlaces, sensing: Sensing | None) -> Phrases:
+    """What planning with sensing adds to the best schedule, where the station leaves a choice of places."""
+    if sensing is None:
+        if best.places and any(len(each.places) > 1 for each in station.operations.values()):
+            yield Phrase(SENSING_NO_CHOICE)
+        return
+    values: Values = {"low": sensing.low, "high": sensing.high, "most": sensing.most}
+    if sensing.certain:
+        yield Phrase(SENSING_CERTAIN)
+    elif sensing.low == sensing.high == 0:
+        yield Phrase(SENSING_NOTHING, {"most": sensing.most})
+    elif sensing.low <= 0:
+        yield Phrase(SENSING_NOT_SHOWN, values)
+    else:
+        yield Phrase(SENSING, values | {"saving": sensing.saving})
 
 
 def assumptions_of(station: Station) -> tuple[Phrase, ...]:

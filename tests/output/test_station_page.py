@@ -29,6 +29,7 @@ from fatigue_planner.motion.plausibility import BARS, Finding
 from fatigue_planner.output.reports.station import catalogue as texts
 from fatigue_planner.output.reports.station.catalogue import Catalogue, catalogue_of, languages
 from fatigue_planner.output.reports.station.compare import BETTER, SAME, WORSE, compare_stations, comparison_page
+from fatigue_planner.output.reports.station.front import planning
 from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.page import pictured, station_page
 from fatigue_planner.output.reports.station.pictures import Posture
@@ -48,6 +49,7 @@ from fatigue_planner.station.assessment import (
     ReachShare,
     Rotation,
     Rule,
+    Sensing,
     StationAssessment,
     WholeCycle,
 )
@@ -121,6 +123,7 @@ def assessment(reactions: tuple[Reaction, ...]) -> StationAssessment:
         shares=(ReachShare("fit", "door", "female", 1.5, 1.8, 0.9, 0.8, 0.95, 0.99, ENTRY),),
         changes=(Change(Phrase(LIGHTER, {"tool": "gun"}), {"fit": "door"}, 0.2, 0.005, 0.5, 0.4, 1, 1, 3),),
         rotation=Rotation(({"fit": "door"}, {"fit": "floor"}), 0.1, True),
+        sensing=Sensing(0.012, 0.004, 0.021, 0.034, False),
         headline=headline_of(station, places, found, best, cycles),
         assumptions=assumptions_of(station),
         station_digest="0123456789abcdef0123",
@@ -210,7 +213,8 @@ def test_the_page_is_complete(
 ) -> None:
     page, catalogue = pages[language]
     text, wording = words(Reader(page).text), Wording(catalogue, assessment.workers)
-    for phrase in (*assessment.headline, *assessment.assumptions, *assessment.best.excluded.values()):
+    said_first = (*assessment.headline, *planning(assessment), *assessment.assumptions)
+    for phrase in (*said_first, *assessment.best.excluded.values()):
         assert words(wording.sentence(phrase)) in text
     for judgement in assessment.judged[0].judgements.values():
         for said in (judgement.title, judgement.edition, judgement.origin.words):
@@ -249,6 +253,31 @@ def test_the_first_side_says_what_counts(pages: dict[str, tuple[str, Catalogue]]
         assert said in first, said
 
 
+@pytest.mark.parametrize(
+    ("sensing", "said"),
+    [
+        (
+            Sensing(0.012, 0.004, 0.021, 0.034, False),
+            "saves 1.2 % (0.4 % to 2.1 %) of the cost of fatigue over the best",
+        ),
+        (
+            Sensing(0.002, -0.001, 0.005, 0.034, False),
+            "nothing that can be shown over the best schedule: −0.1 % to 0.5 %",
+        ),
+        (Sensing(0.0, 0.0, 0.0, 0.034, False), "sensing saves nothing; no plan can save more than 3.4 % of the cost"),
+        (Sensing(0.0, 0.0, 0.0, 0.0, True), "every worker has one way to work at each allowed place"),
+        (None, "Planning with sensing saves nothing: there is no choice between allowed places."),
+    ],
+)
+def test_the_page_says_what_planning_with_sensing_adds(
+    assessment: StationAssessment, sensing: Sensing | None, said: str
+) -> None:
+    for language in languages():
+        wording = Wording(catalogue_of(language), assessment.workers)
+        last = [words(wording.sentence(each)) for each in planning(replace(assessment, sensing=sensing))][-1]
+        assert not wording.catalogue.missing and (language != "en" or said in last)
+
+
 def test_without_an_allowed_place_nothing_is_recommended(
     assessment: StationAssessment, postures: dict[Doing, Posture]
 ) -> None:
@@ -261,7 +290,7 @@ def test_nobody_reaches_anything(assessment: StationAssessment) -> None:
     missed = tuple(replace(each, kind="missed", breaches=()) for each in assessment.outcomes)
     places = tuple(places_for_workers(assessment.station, missed, {}))
     nobody = replace(
-        assessment, outcomes=missed, judged=(), places=places, cycles=(), changes=(), rotation=None,
+        assessment, outcomes=missed, judged=(), places=places, cycles=(), changes=(), rotation=None, sensing=None,
         summaries=tuple(summaries(assessment.station, places, {})), best=BestPlaces({}, None, None, {}, None, {}),
     )  # fmt: skip
     page = words(Reader(station_page(nobody, {}, catalogue_of("de"))).text)

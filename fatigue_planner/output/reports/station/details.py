@@ -183,7 +183,7 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
         header = ["Change", "Recommended after it", "Fatigue saved", "Saved over all places",
                   "Highest fatigue after it", "Places reached by all", "Places allowed"]  # fmt: skip
         yield table(wording, "What one change alone would do, each computed.", header, rows)
-    yield from (Text(wording.sentence(each)) for each in statements.of_rotation(assessment.rotation))
+    yield from (Text(wording.sentence(each)) for each in front.planning(assessment))
 
 
 def _pictures(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:

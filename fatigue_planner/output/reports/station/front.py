@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Groups, Part, PostureRow
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
@@ -136,9 +136,15 @@ def _cycles_not_acceptable(assessment: StationAssessment, wording: Wording) -> I
 
 
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """The changes that help most, and what another place in every cycle does."""
+    """The changes that help most, and what planning does."""
     yield from (f"{changed(each, wording)}." for each in assessment.changes[:MOST_CHANGES])
-    yield from map(wording.sentence, statements.of_rotation(assessment.rotation))
+    yield from map(wording.sentence, planning(assessment))
+
+
+def planning(assessment: StationAssessment) -> Iterator[Phrase]:
+    """What another place in every cycle does, and what planning with sensing adds to it."""
+    yield from statements.of_rotation(assessment.rotation)
+    yield from statements.of_sensing(assessment.station, assessment.best, assessment.sensing)
 
 
 def changed(change: Change, wording: Wording) -> str:
