@@ -21,6 +21,7 @@ from fatigue_planner.planners.schedules.cost import schedule_cost
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assess import whole_cycles
 from fatigue_planner.station.assessment import Sensing
+from fatigue_planner.station.bound_experiments import bound_experiments
 from fatigue_planner.station.changes import changed_stations, changes_of
 from fatigue_planner.station.examine import Examined, examine
 from fatigue_planner.station.rotation import DISCOUNT, best_rotation
@@ -202,6 +203,8 @@ def test_a_limit_binds_and_says_so(folder: Path) -> None:
     assert all(each.breaches[0].seconds > 2 for each in found.outcomes)
     said = headline_of(found.station, found.places, found.summaries, found.best, ())
     assert "breaks limit 1 of the station at low" in str(said[0])
+    (none,) = bound_experiments(found.station, found.outcomes)
+    assert none.experiment is None and "limit 1 allows 1 s" in none.left_out[1]
 
 
 def test_changes_are_computed(folder: Path) -> None:

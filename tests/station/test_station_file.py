@@ -1,5 +1,7 @@
 """What a station file may say, what it becomes, and how mistakes are told."""
 
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +16,12 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.motion.action import Orientation
 from fatigue_planner.motion.payload import CarriedMass, HandForce
+from fatigue_planner.station.assessment import Doing, Outcome
+from fatigue_planner.station.bound_experiments import BoundExperiment, bound_experiments
 from fatigue_planner.station.changes import changed_stations
 from fatigue_planner.station.experiments import Part, parts_of
 from fatigue_planner.station.judging import shift_of, stated
+from fatigue_planner.station.limits import Breach
 from fatigue_planner.station.loader import load_station, parse_station
 from fatigue_planner.station.schema import Station
 from fatigue_planner.station.workers import facts_of, worker_of
@@ -76,6 +81,41 @@ def test_a_station_becomes_experiments_that_simulate_takes(tmp_path: Path) -> No
         asked = [request.digest for request in reaction_requests(part.experiment)]
         assert [request.digest for request in reaction_requests(experiment)] == asked
         assert experiment.name == part.experiment.name
+
+
+def test_limits_bind_the_experiments() -> None:
+    """What breaks one is in none of them: most places, then most ways; where nothing is left, there is none."""
+    limits = [{"measure": "upper_arm_elevation", "above_deg": 60, "at_most_s": 1.0}]
+    places = {name: {"x": 0.35, "y": -0.1, "z": z} for name, z in (("low", 0.6), ("door", 1.1), ("high", 1.6))}
+    said = station(places=places, operations={"fit": {"places": list(places), "seconds": 5}}, limits=limits,
+                   workers={"woman": {"percentile": 50, "sex": "female"}}, ways=["arm", "back"])  # fmt: skip
+
+    def bound(**broken: list[str]) -> BoundExperiment:
+        """By place, the ways that break the limit there; all other motions are reached, but for high with the back."""
+        outcomes = []
+        for place, way in product(places, said.ways):
+            found = Outcome(Doing("woman", "fit", place, way), ("right",), "reached")
+            if (place, way) == ("high", "back"):
+                found = replace(found, kind="missed")
+            elif way in broken.get(place, []):
+                found = replace(found, breaches=(Breach(0, 3.0),))
+            outcomes.append(found)
+        (only,) = bound_experiments(said, outcomes)
+        return only
+
+    def kept(found: BoundExperiment) -> tuple[list[str], list[str]]:
+        assert found.experiment is not None
+        return list(found.experiment.actions), list(found.experiment.preferences)
+
+    assert kept(bound()) == (["low", "door", "high"], ["arm", "back"]) and bound().left_out == ()
+    found = bound(high=["arm"])
+    assert kept(found) == (["low", "door"], ["arm", "back"])  # the other way does not reach it
+    why = "upper_arm_elevation above 60 degrees for 3.0 s in a cycle; limit 1 allows 1 s"
+    assert found.left_out == (f"action high: woman at high, arm: {why}",)
+    found = bound(low=["back"], door=["back"])
+    assert kept(found) == (["low", "door", "high"], ["arm"]) and found.left_out[0].startswith("preference back: woman")
+    found = bound(low=["arm", "back"], door=["arm", "back"], high=["arm"])
+    assert found.experiment is None and len(found.left_out) >= 4
 
 
 def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_the_mirror() -> None:
