@@ -16,7 +16,7 @@ from fatigue_planner.experiment.defaults import usual_preferences
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import Worker
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position
-from fatigue_planner.motion.payload import CarriedMass, HandForce, Load, TimedForce
+from fatigue_planner.motion.payload import CarriedMass, FromFist, HandForce, Load, TimedForce
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle, Side, Stiffnesses
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
@@ -152,7 +152,9 @@ def _loads(
     end, rise = begin + operation.seconds, min(RISE_S, operation.seconds / 4)
     for side in hands:
         if tool.mass_kg > 0:
-            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share))
+            x, y, z = tool.centre_of_mass_m.vector().tolist()
+            at = FromFist(x=x, y=y if side == "right" else -y, z=z)
+            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share, centre_of_mass_m=at))
         if tool.force_n is not None:
             whole = np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z])
             force = share * replace(view, mirrored=False).vector(whole)  # the work pushes no other way for anybody

@@ -16,6 +16,7 @@ from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.population import Population
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Orientation, Position
+from fatigue_planner.motion.payload import FromFist
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.station.limits import Limit
 
@@ -84,8 +85,12 @@ class Force(Settings):
 class HandTool(Settings):
     """A tool, a part or a load: its mass in the fist and the force with which the work pushes back."""
 
-    mass_kg: float = Field(
-        ge=0, le=30, description="Mass in kg, a point at the centre of the fist; shared where both hands work."
+    mass_kg: float = Field(ge=0, le=30, description="Mass in kg, a point in the hand; shared where both hands work.")
+    centre_of_mass_m: FromFist = Field(
+        default=FromFist(),
+        description="Where its centre of mass is, in m from the centre of the right fist that holds it: x towards the "
+        "thumb, y out of the palm, z towards the wrist; of the left fist in the mirror. Not where both hands work. "
+        "Default: in the fist.",
     )
     force_n: Force | None = Field(
         default=None,
@@ -247,6 +252,7 @@ class Station(Settings):
         if faults := [
             *self._name_faults(),
             *self._map_faults(),
+            *self._lever_faults(),
             *self._binding_faults(),
             *self._population_faults(),
             *self._time_faults(),
@@ -272,6 +278,16 @@ class Station(Settings):
             force = tool.force_n or Force()
             if (force_n := math.hypot(force.x, force.y, force.z)) > STRONGEST_N:
                 yield f"tools.{name}.force_n: is {force_n:.0f} N; at most {STRONGEST_N:g} N"
+
+    def _lever_faults(self) -> Iterator[str]:
+        for name, operation in self.operations.items():
+            for place in operation.places if operation.hand == "both" else ():
+                tool = self.tool_at(name, place) if place in self.places else None
+                if tool in self.tools and self.tools[tool].centre_of_mass_m != FromFist():
+                    yield (
+                        f"tools.{tool}.centre_of_mass_m: {name} holds it with both hands, so its centre is between the "
+                        "fists; leave it out"
+                    )
 
     def _map_faults(self) -> Iterator[str]:
         drawn: dict[tuple[Any, ...], str] = {}

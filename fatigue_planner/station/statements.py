@@ -56,7 +56,7 @@ ASSUMED_REST = (
 ASSUMED_LAW = (
     "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
 )
-ASSUMED_TOOL = "A tool is a point mass in the fist; vibration and its centre of mass are not simulated"
+ASSUMED_TOOL = "A tool is a point mass, in the fist or at its centre_of_mass_m; vibration is not simulated"
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
 # What single changes do, and another place in every cycle.

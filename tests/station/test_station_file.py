@@ -141,6 +141,20 @@ def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_th
     assert [task.segment for task in upper_arms] == ["left_upper_arm"]
 
 
+def test_the_centre_of_mass_of_a_tool_goes_with_the_hand() -> None:
+    """As stated in the right hand, in the mirror in the left one; not where two hands hold one thing."""
+    tools = {"drill": {"mass_kg": 2, "centre_of_mass_m": {"x": 0.1, "y": 0.03, "z": -0.02}}}
+    places = {"door": {"x": 0.4, "y": 0, "z": 1}}
+    operation = {"places": "door", "seconds": 10, "tool": "drill"}
+    said = station(places=places, tools=tools, operations={"fit": operation})
+    for side, y in (("right", 0.03), ("left", -0.03)):
+        (mass,) = part_of(said, (side,)).experiment.actions["door"].loads
+        assert isinstance(mass, CarriedMass) and mass.hand == side
+        assert mass.centre_of_mass_m.vector().tolist() == [0.1, y, -0.02]
+    with pytest.raises(ExperimentError, match="fit holds it with both hands"):
+        station(places=places, tools=tools, operations={"fit": operation | {"hand": "both"}})
+
+
 def test_both_hands_share_what_they_hold_and_stand_apart() -> None:
     tools = {"bar": {"mass_kg": 4, "force_n": {"z": -40}}}
     operation = {"places": "door", "seconds": 10, "hand": "both", "tool": "bar", "grip_width_m": 0.4}
