@@ -68,6 +68,8 @@ def hands_of(station: Station, operation: StationOperation, worker: str) -> tupl
             return SIDES
         case "either":
             return (station.workers[worker].handedness,)
+        case "other":
+            return ("left",) if station.workers[worker].handedness == "right" else ("right",)
         case side:
             return (side,)
 
@@ -100,9 +102,9 @@ def action_of(station: Station, operation: StationOperation, place: str, hands: 
     """What the hands do at a place: where they are held, and what they bear.
 
     Shoes raise the worker, so places are lower by their soles. A worker whose feet are free faces the place; who then
-    works with the left hand because it is the better one does so in the mirror.
+    works with the left hand because it is the better one, or because it is not, does so in the mirror.
     """
-    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand == "either")
+    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand in ("either", "other"))
     at, apart = station.places[place], operation.grip_width_m / 2 if len(hands) > 1 else 0.0
     goals = {f"{side}_hand": _goal(station, at, view, apart if side == "left" else -apart) for side in hands}
     named = at.tool or operation.tool

@@ -27,7 +27,7 @@ BINDING = tuple(kind for kind in _SHIPPED if kind not in ONLY_WARN)
 
 Way = Literal["arm", "back", "squat"]
 WAYS: tuple[Way, ...] = ("arm", "back", "squat")
-Hands = Literal["right", "left", "either", "both"]
+Hands = Literal["right", "left", "either", "other", "both"]
 
 # How many places the operations of a cycle can be combined in, and how many motions there are to simulate.
 MAX_COMBINATIONS, MAX_MOTIONS = 1000, 2000
@@ -140,7 +140,8 @@ class StationOperation(Circumstances):
     seconds: float = Field(ge=0.1, le=600, description="How long the hand works at the place, in s, the way excluded.")
     hand: Hands = Field(
         default="either",
-        description="The hand that works. either: the worker's better one; both: both together, grip_width_m apart.",
+        description="The hand that works. either: the worker's better one; other: the one that is not; both: both "
+        "together, grip_width_m apart.",
     )
     tool: Name | None = Field(default=None, description="The tool that is held, by its name. Default: none.")
     grip_width_m: float = Field(

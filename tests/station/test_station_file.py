@@ -190,6 +190,19 @@ def test_nearer_is_nearer_whichever_way_the_worker_faces() -> None:
     assert far - near == pytest.approx(0.1, abs=1e-4)
 
 
+def test_the_other_hand_of_either_is_tried_where_it_is_no_mirror_image() -> None:
+    operations = {"fit": {"places": ["overhead", "door", "plug"], "seconds": 25}}
+
+    def tried(**more: Any) -> list[Station]:
+        said = station(operations=operations, **more)
+        return [new for change, new in changed_stations(said) if str(change) == "fit with the other hand"]
+
+    assert tried() == []  # who faces the place would do the same in the mirror
+    (changed,) = tried(feet="fixed")
+    hands = {worker: part.hands for part in parts_of(changed) for worker in part.workers}
+    assert hands == {"small_woman": ("left",), "tall_man": ("left",), "lefty": ("right",)}
+
+
 def test_the_force_of_the_work_is_not_mirrored() -> None:
     """A part that pushes to the left pushes the left-hander, who works in the mirror, to the left, too."""
     tools = {"gun": {"mass_kg": 3, "force_n": {"y": 40}}}
