@@ -128,9 +128,13 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
 
 
 def _rules(rules: Sequence[Rule]) -> str:
-    """The rules with the part of the body that each finds worst, that with the most seconds first."""
+    """The rules, that with the most seconds first: the part of the body that each finds worst, and its seconds."""
     ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
-    return ", ".join(f"{rule.title} ({rule.part})" if rule.part else rule.title for rule in ordered)
+    inside = [[rule.part, f"{rule.not_acceptable_s:.0f} s" if rule.not_acceptable_s else ""] for rule in ordered]
+    found = [", ".join(filter(None, parts)) for parts in inside]
+    return ", ".join(
+        f"{rule.title} ({said})" if said else rule.title for rule, said in zip(ordered, found, strict=True)
+    )
 
 
 def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces) -> Phrases:

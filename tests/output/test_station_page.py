@@ -495,7 +495,8 @@ def test_german_numbers_and_words() -> None:
     assert german.text("Shoes raise the worker by {shoes_cm:.1f} cm", shoes_cm=2.5) == "Schuhe erhöhen um 2,5 cm"
     assert german.number(0.305, ".0%") == "30\u00a0%" and german.number(-1.5, ".1f") == "−1,5"
     assert (
-        german.term("RULA (right neck), EN 1005-4 (trunk twisted)") == "RULA (Hals rechts), EN 1005-4 (Rumpf verdreht)"
+        german.term("RULA (right neck, 27 s), EN 1005-4 (trunk twisted)")
+        == "RULA (Hals rechts, 27 s), EN 1005-4 (Rumpf verdreht)"
     )
     assert german.term("torque step within 40 ms at left hip flexion of 12.6 N.m (at most 10)") == (
         "Drehmomentsprung in 40 ms von 12,6 N·m: Hüfte (Beugung) links (höchstens 10)"
