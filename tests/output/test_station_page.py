@@ -59,7 +59,7 @@ from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.recommendation import excluded, places_for_workers, summaries
 from fatigue_planner.station.schema import Place, Station
 from fatigue_planner.station.statements import assumptions_of, headline_of
-from fatigue_planner.station.tables import plain
+from fatigue_planner.station.tables import INDICATOR_COLUMNS, indicator_rows, plain, write
 from fatigue_planner.station.workers import facts_of
 
 PACKAGE = ROOT / "fatigue_planner"
@@ -286,7 +286,7 @@ def test_without_an_allowed_place_nothing_is_recommended(
     assert "No cycle is recommended." in page and "(recommended)" not in page and "least bad" in page
 
 
-def test_nobody_reaches_anything(assessment: StationAssessment) -> None:
+def test_nobody_reaches_anything(assessment: StationAssessment, tmp_path: Path) -> None:
     missed = tuple(replace(each, kind="missed", breaches=()) for each in assessment.outcomes)
     places = tuple(places_for_workers(assessment.station, missed, {}))
     nobody = replace(
@@ -295,6 +295,10 @@ def test_nobody_reaches_anything(assessment: StationAssessment) -> None:
     )  # fmt: skip
     page = words(Reader(station_page(nobody, {}, catalogue_of("de"))).text)
     assert "Kein Bild: Niemand erreicht einen Ort." in page
+    write(nobody, tmp_path, "{}")
+    header = ",".join(INDICATOR_COLUMNS)
+    assert (tmp_path / "indicators.csv").read_text(encoding="utf-8").splitlines() == [header]
+    assert all(list(row) == INDICATOR_COLUMNS for row in indicator_rows(assessment))
 
 
 def grid_of(station: Station) -> Station:
@@ -541,6 +545,21 @@ def test_a_comparison_says_what_got_better_and_what_worse(
     assert found.settings == {"places.door.z": ("1.15", "1.0")}
     back = compare_stations(stored(better), stored(assessment), catalogue_of("en"))
     assert [row.verdict for row in back.cycles] == [SAME, SAME, BETTER]
+
+
+def test_a_worker_of_a_name_may_be_another_one_after(assessment: StationAssessment) -> None:
+    """Each side calls the workers by its own percentiles; a row says both."""
+    station, name = assessment.station, assessment.workers[0].name
+    other = station.workers[name].model_copy(update={"percentile": 50})
+    changed = station.model_copy(update={"workers": station.workers | {name: other}})
+    facts = (facts_of(changed, name), *assessment.workers[1:])
+    found = compare_stations(
+        stored(assessment), stored(replace(assessment, station=changed, workers=facts)), catalogue_of("en")
+    )
+    assert found.cycles[0].what == ("woman P5 → woman P50",) and found.cycles[1].what == ("man P95",)
+    overhead = next(row for row in found.places if row.what[1] == "overhead")
+    assert "woman P5," in overhead.before and "woman P50," in overhead.after
+    assert found.settings == {"workers.woman P5 → woman P50.percentile": ("5.0", "50.0")}
 
 
 @pytest.mark.parametrize("language", languages())

@@ -228,9 +228,14 @@ def test_the_indicators_hear_what_is_stated() -> None:
     assert (stated(said, "fit").coupling, stated(said, "fit").times_per_cycle) == ("poor", 2)
     shift = shift_of(said)
     assert shift.cycle_s == 42 and shift.hours == pytest.approx(7.25)
-    assert (shift.spell_h, shift.break_h) == (pytest.approx(210 / 60), 0)  # from the last break to the end
+    worked = [(60 * spell.work_h, 60 * spell.break_h) for spell in shift.spells]
+    assert worked == [pytest.approx(spell) for spell in ((100, 15), (125, 30), (210, 0))]
+    assert shift.hours == pytest.approx(sum(spell.work_h for spell in shift.spells))
     assert shift_of(said.model_copy(update={"shift": None})).hours is None
-    assert shift_of(station(shift={"hours": 24})).spell_h == 24
+    assert [spell.work_h for spell in shift_of(station(shift={"hours": 24})).spells] == [24]
+    together = [{"at_min": 0, "minutes": 10}, {"at_min": 60, "minutes": 30}, {"at_min": 90, "minutes": 30}]
+    spells = shift_of(station(shift={"hours": 3, "breaks": together})).spells
+    assert [(60 * one.work_h, 60 * one.break_h) for one in spells] == [(50, 60), (60, 0)]
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,6 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
     headline = assessment.headline
     cannot = [wording.sentence(each) for each in headline if each.template in CANNOT]
     forbidden = [wording.sentence(each) for each in headline if each.template in FORBIDDEN]
-    forbidden += list(_cycles_not_acceptable(assessment, wording))
     tired = [wording.sentence(each) for each in headline if each.template in TIRED]
     others = [each for each in headline if each.template not in {*CANNOT, *FORBIDDEN, *TIRED}]
     compared = [wording.sentence(each) for each in others if each.template == statements.COMPARED]
@@ -121,18 +120,6 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
 def _at_most(items: list[str], wording: Wording) -> list[str]:
     more = len(items) - MOST
     return items if more <= 0 else [*items[:MOST], wording.say("{more} more: see the details.", more=more)]
-
-
-def _cycles_not_acceptable(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """Recommended places whose cycle as a whole is not acceptable, though each of them is."""
-    for cycle in assessment.cycles:
-        if cycle.recommended and cycle.level == Level.NOT_ACCEPTABLE:
-            titles = [each.title for each in cycle.judgements.values() if each.levels and each.levels[0] == cycle.level]
-            yield wording.say(
-                "The recommended cycle as a whole is not acceptable for {worker} by {rules}.",
-                worker=wording.worker(cycle.worker),
-                rules=", ".join(map(wording.catalogue.term, titles)),
-            )
 
 
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
