@@ -21,7 +21,7 @@ INNER_ROOMS = {
     "output": ["viewer", "figures", "reports"],
     "planners": ["schedules", "pomcp", "bounds"],
 }
-MAX_ROOMS, MAX_FLOORS = 15, 10
+MAX_ROOMS, MAX_FLOORS = 15, 11
 
 Graph = Mapping[str, Set[str]]
 
