@@ -16,7 +16,7 @@ from fatigue_planner.experiment.defaults import usual_preferences
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import Worker
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position
-from fatigue_planner.motion.payload import CarriedMass, HandForce, Load, TimedForce
+from fatigue_planner.motion.payload import CarriedMass, FromFist, HandForce, Load, TimedForce
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle, Side, Stiffnesses
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
@@ -69,6 +69,8 @@ def hands_of(station: Station, operation: StationOperation, worker: str) -> tupl
             return SIDES
         case "either":
             return (station.workers[worker].handedness,)
+        case "other":
+            return ("left",) if station.workers[worker].handedness == "right" else ("right",)
         case side:
             return (side,)
 
@@ -101,9 +103,9 @@ def action_of(station: Station, operation: StationOperation, place: str, hands: 
     """What the hands do at a place: where they are held, and what they bear.
 
     Shoes raise the worker, so places are lower by their soles. A worker whose feet are free faces the place; who then
-    works with the left hand because it is the better one does so in the mirror.
+    works with the left hand because it is the better one, or because it is not, does so in the mirror.
     """
-    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand == "either")
+    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand in ("either", "other"))
     at, apart = station.places[place], operation.grip_width_m / 2 if len(hands) > 1 else 0.0
     goals = {f"{side}_hand": _goal(station, at, view, apart if side == "left" else -apart) for side in hands}
     named = at.tool or operation.tool
@@ -153,7 +155,9 @@ def _loads(
     end, rise = begin + operation.seconds, min(RISE_S, operation.seconds / 4)
     for side in hands:
         if tool.mass_kg > 0:
-            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share))
+            x, y, z = tool.centre_of_mass_m.vector().tolist()
+            at = FromFist(x=x, y=y if side == "right" else -y, z=z)
+            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share, centre_of_mass_m=at))
         if tool.force_n is not None:
             whole = np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z])
             force = share * replace(view, mirrored=False).vector(whole)  # the work pushes no other way for anybody
