@@ -1,5 +1,6 @@
 """`fatplan assess`: an ergonomist's station, from a file to an answer."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,7 +10,9 @@ from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 
 if TYPE_CHECKING:
-    from fatigue_planner.station.assessment import StationAssessment
+    from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.station.assessment import Outcome, StationAssessment
     from fatigue_planner.station.schema import Station
 
 
@@ -21,7 +24,11 @@ def assess(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this station.")
     ] = None,
     explain: Annotated[
-        bool, typer.Option("--explain", help="Print the experiments that the station becomes (YAML), and stop.")
+        bool,
+        typer.Option(
+            "--explain",
+            help="Print the experiments that the station becomes (YAML), without what breaks its limits, and stop.",
+        ),
     ] = False,
     changes: Annotated[
         bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
@@ -52,12 +59,12 @@ def assess(
 
     texts = catalogue_of(language)
     settings = load_station(station)
-    if explain:
-        _explain(settings, as_json)
-        return
-    folder = writable_folder(output or results / settings.name)
     executor, store = options.executor_of(jobs, None), ReactionCache(cache)
     command = options.command_line("assess", station, cache, results)
+    if explain:
+        _explain(settings, store, executor, command, as_json)
+        return
+    folder = writable_folder(output or results / settings.name)
     stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
     motions = sum(len(tasks_of(each)) for each in stations)
     with progress("Simulating", motions, kept=("motions", cache)) as counter:
@@ -74,11 +81,12 @@ def assess(
 
 def _text(found: "StationAssessment") -> list[str]:
     """What an ergonomist needs first, then who of a population can, then what it rests on."""
-    from fatigue_planner.station.statements import of_changes, of_population, of_rotation
+    from fatigue_planner.station.statements import of_changes, of_population, of_rotation, of_sensing
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += [f"  {phrase}." for phrase in found.headline]
-    lines += [f"  {phrase}." for phrase in of_rotation(found.rotation)]
+    planned = (*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing))
+    lines += [f"  {phrase}." for phrase in planned]
     if found.changes:
         lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
     lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]
@@ -94,20 +102,36 @@ def _written(folder: Path, files: list[Path]) -> str:
     return f"{folder}: {', '.join(path.name for path in files)}"
 
 
-def _explain(station: "Station", as_json: bool) -> None:
-    """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands."""
+def _explain(station: "Station", store: "ReactionCache", executor: "Executor", command: str, as_json: bool) -> None:
+    """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands.
+
+    With limits, the motions are simulated first: what breaks one is not in them.
+    """
     import yaml
 
     from fatigue_planner.experiment.loader import complete_content
-    from fatigue_planner.station.experiments import parts_of
+    from fatigue_planner.station.bound_experiments import bound_experiments
+    from fatigue_planner.station.examine import examine
+    from fatigue_planner.station.outcomes import tasks_of
 
+    outcomes: Sequence[Outcome] = ()
+    if station.limits:
+        with progress("Simulating", len(tasks_of(station)), kept=("motions", store.folder)) as counter:
+            examined = examine([station], store, executor, command, lambda made: counter.advance(pieces=made.kept))
+        outcomes = examined[0].outcomes
+        warn(store.damaged)
     contents: dict[str, Any] = {}
-    for part in parts_of(station):
-        complete = complete_content(part.experiment)
-        own = ("name", "human", "workers", "cycle", "actions", "preferences", "controller", "accuracy")
-        contents[part.experiment.name] = {key: complete[key] for key in own}
-    texts = [
-        f"# {name}.yaml\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
-        for name, content in contents.items()
-    ]
-    options.present({"experiments": contents}, "---\n".join(texts).rstrip(), as_json)
+    texts, left_out = [], {}
+    for name, experiment, reasons in bound_experiments(station, outcomes):
+        text = "".join(f"# left out: {reason}\n" for reason in reasons)
+        if experiment is None:
+            texts.append(f"# {name}: nothing is left\n{text}")
+        else:
+            complete = complete_content(experiment)
+            own = ("name", "human", "workers", "cycle", "actions", "preferences", "controller", "accuracy")
+            contents[name] = {key: complete[key] for key in own}
+            written = yaml.safe_dump(contents[name], sort_keys=False, default_flow_style=None, width=120)
+            texts.append(f"# {name}.yaml\n{text}{written}")
+        if reasons:
+            left_out[name] = reasons
+    options.present({"experiments": contents, "left_out": left_out}, "---\n".join(texts).rstrip(), as_json)

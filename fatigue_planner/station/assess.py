@@ -14,6 +14,7 @@ from fatigue_planner.station.judging import judge
 from fatigue_planner.station.population_reach import reach_shares
 from fatigue_planner.station.rotation import best_rotation
 from fatigue_planner.station.schema import Station
+from fatigue_planner.station.sensing import sensing_of
 from fatigue_planner.station.statements import assumptions_of, headline_of
 from fatigue_planner.station.workers import facts_of
 
@@ -47,6 +48,7 @@ def assess(
         shares=tuple(reach_shares(station, executor)),
         changes=changes_of([phrase for phrase, _ in changed], found, others),
         rotation=best_rotation(found, cache, command),
+        sensing=sensing_of(found, cache, command),
         headline=headline_of(station, found.places, found.summaries, found.best, cycles),
         assumptions=assumptions_of(station),
         station_digest=digest_of(station.plain()),

@@ -236,6 +236,22 @@ class Rotation:
 
 
 @dataclass(frozen=True)
+class Sensing:
+    """What of the best schedule's cost of fatigue a robot saves that sees how the worker works, as the mean over all
+    workers, with its 95 % interval (paired, common random numbers).
+
+    most         what no plan can save more than, whatever it sees and computes: the proven bound of the cost
+    certain      no worker has more than one way to work, so that there is nothing to see
+    """
+
+    saving: float
+    low: float
+    high: float
+    most: float
+    certain: bool
+
+
+@dataclass(frozen=True)
 class StationAssessment:
     """Everything that is found out about a station.
 
@@ -254,6 +270,7 @@ class StationAssessment:
     shares: tuple[ReachShare, ...]
     changes: tuple[Change, ...]
     rotation: Rotation | None
+    sensing: Sensing | None
     headline: tuple[Phrase, ...]
     assumptions: tuple[Phrase, ...]
     station_digest: str

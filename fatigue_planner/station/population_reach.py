@@ -126,8 +126,8 @@ def _worker(question: Question, stature: float) -> Worker:
 def _reaching(question: Question, stature: float) -> Motion | None:
     """A motion in which a worker of this stature holds the hand at the place as a person would, in any way."""
     operation = question.station.operations[question.operation]
-    if operation.hand == "either":
-        operation = operation.model_copy(update={"hand": "right"})
+    if operation.hand in ("either", "other"):  # as most people, the better hand is the right one
+        operation = operation.model_copy(update={"hand": "right" if operation.hand == "either" else "left"})
     hands: tuple[Side, ...] = (
         SIDES if operation.hand == "both" else ("left",) if operation.hand == "left" else ("right",)
     )

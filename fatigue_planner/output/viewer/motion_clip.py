@@ -121,7 +121,7 @@ def motion_clip_of(request: ReactionRequest, reaction: Reaction, parameters: Fat
     return MotionClip(
         name=reaction.name,
         human=human,
-        bodies=tuple(build_human(settings.worker, run.right_kg, run.left_kg) for run in runs),
+        bodies=tuple(run.human(settings.worker) for run in runs),
         runs=runs,
         working=tuple(goals),
         motion=motion,

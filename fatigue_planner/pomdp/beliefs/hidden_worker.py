@@ -1,14 +1,23 @@
 """The particle filter over fatigue and the worker's hidden parameters."""
 
+import math
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.jit import compiled
+from fatigue_planner.core.jit import compiled, inlined
 from fatigue_planner.pomdp.beliefs.particles import MIN_PROBABILITY, History, ParticleBelief
-from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
+from fatigue_planner.pomdp.fatigue_pomdp import (
+    FatigueArrays,
+    FatiguePomdp,
+    Workers,
+    first_row,
+    preference_probabilities,
+)
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
+from fatigue_planner.pomdp.simd import move
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -17,6 +26,7 @@ Array = NDArray[np.float64]
 # Proposals change a worker's quantile by up to 0.5, or by as little as this times that: the sizes are spread evenly
 # over the orders of magnitude, so that some fit however much is known.
 MIN_STEP = 1e-3
+NO_REST = np.zeros((0, 0))
 
 
 @dataclass(frozen=True)
@@ -72,8 +82,7 @@ class HiddenWorkerBelief(ParticleBelief):
             proposed = quantiles.copy()
             proposed[:, column] = (quantiles[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
-            arrays = self.model.for_workers(self.prior.at(proposed)).arrays
-            likelihood = relive(arrays, moved, history.actions, history.outcomes, len(self.model.outcomes))
+            likelihood = relive(self.model.for_workers(self.prior.at(proposed)), moved, history)
             accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
             quantiles = np.where(accepted[:, None], proposed, quantiles)
             states = np.where(accepted[:, None], moved, states)
@@ -87,16 +96,63 @@ class HiddenWorkerBelief(ParticleBelief):
         )
 
 
+class Past(NamedTuple):
+    """What `live_again` reads of a history, and of the workers it is lived by.
+
+    actions (t,), outcomes (n, t), rest_s (t + 1,): see History. gain, offset (tables * M * A * U, W): the cycle maps as
+    lived, of which cycle i is in table number tables[i]; fade, grow (M, W): at rest, df/dt = grow - fade f
+    """
+
+    actions: NDArray[np.int64]
+    outcomes: NDArray[np.int16]
+    rest_s: Vector
+    gain: Array
+    offset: Array
+    tables: NDArray[np.intp]
+    fade: Array
+    grow: Array
+
+
+def relive(model: FatiguePomdp, states: Array, history: History) -> Vector:
+    """Take states (n, L) in place through the past of particles (n,); log of their outcomes' probability, (n,)."""
+    shares, tables = np.unique(history.shares, return_inverse=True)
+    lived = [model.evidence_arrays(share).lived for share in shares] or [model.arrays]
+    gain, offset = lived[0].gain, lived[0].offset
+    if len(lived) > 1:
+        gain, offset = (np.concatenate([getattr(arrays, name) for arrays in lived]) for name in ("gain", "offset"))
+    fade, grow = model.rest_rates() if history.rest_s.any() else (NO_REST, NO_REST)
+    past = Past(history.actions, history.outcomes, history.rest_s, gain, offset, tables, fade, grow)
+    return live_again(model.arrays, past, states, len(model.outcomes))
+
+
+@inlined
+def pause(past: Past, state: Vector, number: int) -> None:
+    """Let the worker of a state rest for pause `number`. Neighbouring entries often fade at the same rate."""
+    seconds = past.rest_s[number]
+    if seconds > 0:
+        worker = int(state[state.size - 1])
+        left, held, last = 1.0, seconds, 0.0
+        for j in range(state.size - 1):
+            fade = past.fade[worker, j]
+            if fade != last:
+                left = math.exp(-fade * seconds)
+                held = -math.expm1(-fade * seconds) / fade if fade > 0 else seconds
+                last = fade
+            state[j] = left * state[j] + past.grow[worker, j] * held
+
+
 @compiled
-def relive(
-    arrays: FatigueArrays, states: Array, actions: NDArray[np.int64], outcomes: NDArray[np.int16], n_outcomes: int
-) -> Vector:
-    """Take states (n, L) in place through actions (t,) and outcomes (n, t); log of the outcomes' probability (n,)."""
+def live_again(arrays: FatigueArrays, past: Past, states: Array, n_outcomes: int) -> Vector:
+    """See `relive`."""
     log_likelihood = np.zeros(len(states))
     probabilities = np.empty(n_outcomes)
+    rows = arrays.gain.shape[0]
     for i in range(len(states)):
-        for t in range(actions.size):
-            preference_probabilities(arrays, states[i], actions[t], probabilities)
-            log_likelihood[i] += np.log(max(probabilities[outcomes[i, t]], MIN_PROBABILITY))
-            react(arrays, states[i], actions[t], outcomes[i, t])
+        pause(past, states[i], 0)
+        for t in range(past.actions.size):
+            preference_probabilities(arrays, states[i], past.actions[t], probabilities)
+            log_likelihood[i] += np.log(max(probabilities[past.outcomes[i, t]], MIN_PROBABILITY))
+            row = first_row(arrays, states[i], past.actions[t]) + past.outcomes[i, t]
+            move(past.gain, past.offset, states[i], past.tables[t] * rows + row)
+            pause(past, states[i], t + 1)
     return log_likelihood

@@ -4,11 +4,12 @@ Resampling leads to particle deprivation, the loss of distinct particles. So par
 them carry the weight, and a belief in a hidden worker moves them afterwards (resample-move, see `hidden_worker`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
@@ -21,6 +22,7 @@ from fatigue_planner.pomdp.problem import (
     observation_probability,
     outcome_probabilities,
 )
+from fatigue_planner.pomdp.timing import AS_PLANNED, Pace
 
 # Resample where the effective sample size is below this fraction of the particles (the usual choice).
 MIN_EFFECTIVE_FRACTION = 0.5
@@ -33,32 +35,47 @@ class History:
     """What rejuvenation needs to know about the past.
 
     start (n, L): where each particle began; actions (t,); outcomes (n, t); log_likelihood (n,): the log of
-    the outcomes' probability
+    the outcomes' probability; shares (t,): of the planned duration, that each reaction took; rest_s (t + 1,): the
+    pauses, of which number i is before cycle i (see `timing.Pace`)
     """
 
     start: Array
     actions: NDArray[np.int64]
     outcomes: NDArray[np.int16]
     log_likelihood: Vector
+    shares: Vector
+    rest_s: Vector
 
     @staticmethod
     def begin(states: Array) -> "History":
         """The history before the first cycle."""
         count = len(states)
-        return History(states, np.zeros(0, np.int64), np.zeros((count, 0), np.int16), np.zeros(count))
+        outcomes = np.zeros((count, 0), np.int16)
+        return History(states, np.zeros(0, np.int64), outcomes, np.zeros(count), np.zeros(0), np.zeros(1))
 
-    def then(self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector) -> "History":
+    def then(
+        self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector, pace: Pace = AS_PLANNED
+    ) -> "History":
         """The history with one more cycle, whose outcomes alone have this log_likelihood."""
         return History(
             self.start,
             np.append(self.actions, action),
             np.column_stack([self.outcomes, outcomes]),
             self.log_likelihood + log_likelihood,
+            np.append(self.shares, pace.share),
+            np.append(self.rest_s, pace.rest_s),
         )
+
+    def resting(self, seconds: float) -> "History":
+        """The history with a pause."""
+        rest_s = self.rest_s.copy()
+        rest_s[-1] += seconds
+        return replace(self, rest_s=rest_s)
 
     def pick(self, chosen: NDArray[np.intp]) -> "History":
         """The past of some of the particles."""
-        return History(self.start[chosen], self.actions, self.outcomes[chosen], self.log_likelihood[chosen])
+        own = self.start[chosen], self.outcomes[chosen], self.log_likelihood[chosen]
+        return replace(self, start=own[0], outcomes=own[1], log_likelihood=own[2])
 
 
 @dataclass(frozen=True)
@@ -95,15 +112,42 @@ class ParticleBelief(Belief):
         if permitting is not self:
             return permitting.update(action, observation, rng)
         self.model.check_again(self.states, action)
-        kernel = specialised(move_particles, **self.model.belief_parts)
+        return self._moved(self.model.belief_parts, self.model.arrays, action, observation, rng)
+
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> "ParticleBelief":
+        """See Belief.weigh."""
+        model = self.model
+        likelihood, pace = model.check_likelihood(action, likelihood), model.pace(duration_s)
+        permitting = self.permitting(action)
+        model.check_again(permitting.states, action)
+        arrays = model.evidence_arrays(pace.share)
+        return permitting._moved(model.evidence_parts, arrays, action, likelihood, rng, pace)
+
+    def rest(self, seconds: float) -> Self:
+        """See Belief.rest."""
+        states = self.model.rested(self.states, seconds)
+        return replace(self, states=states, history=self.history and self.history.resting(seconds))
+
+    def _moved(
+        self,
+        parts: Mapping[str, Any],
+        arrays: Any,
+        action: int,
+        evidence: Any,
+        rng: np.random.Generator,
+        pace: Pace = AS_PLANNED,
+    ) -> "ParticleBelief":
+        kernel = specialised(move_particles, **parts)
         uniforms = rng.random(len(self.weights))
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states = self.states.copy()
             outcomes, log_outcome, log_likelihood = kernel(
-                self.model.arrays,
+                arrays,
                 states,
                 action,
-                observation,
+                evidence,
                 len(self.model.outcomes),
                 trust_outcome,
                 trust_observation,
@@ -117,11 +161,11 @@ class ParticleBelief(Belief):
         surprised = not (trust_outcome and trust_observation)
         belief = replace(
             self,
-            states=states,
+            states=self.model.rested(states, pace.rest_s) if pace.rest_s > 0 else states,
             weights=weights / weights.sum(),
             log_weights=log_weights,
             surprised=surprised,
-            history=self.history and self.history.then(action, outcomes, log_outcome),
+            history=self.history and self.history.then(action, outcomes, log_outcome, pace),
         )
         if surprised or belief.effective_size() < MIN_EFFECTIVE_FRACTION * len(weights):
             return belief.resampled(rng)
