@@ -1,6 +1,7 @@
 """`fatplan assess`: an ergonomist's station, from a file to an answer."""
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,9 +12,16 @@ from fatigue_planner.cli.progress import progress, warn
 
 if TYPE_CHECKING:
     from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.ergonomics.result import Phrase
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.assessment import Outcome, StationAssessment
     from fatigue_planner.station.schema import Station
+
+
+# About how many motions are tried to find who of a population reaches a place.
+EFFORT_OF_A_QUESTION = 4
+# So many lines of a kind are printed; the page has all of them.
+MOST_LINES = 6
 
 
 def assess(
@@ -55,6 +63,7 @@ def assess(
     from fatigue_planner.station.changes import changed_stations
     from fatigue_planner.station.loader import load_station
     from fatigue_planner.station.outcomes import tasks_of
+    from fatigue_planner.station.population_reach import questions
     from fatigue_planner.station.tables import plain, write
 
     texts = catalogue_of(language)
@@ -66,11 +75,13 @@ def assess(
         return
     folder = writable_folder(output or results / settings.name)
     stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
-    motions = sum(len(tasks_of(each)) for each in stations)
-    with progress("Simulating", motions, kept=("motions", cache)) as counter:
+    motions, asked = sum(len(tasks_of(each)) for each in stations), len(list(questions(settings)))
+    effort = motions + EFFORT_OF_A_QUESTION * asked
+    with progress("Simulating", motions, effort, kept=("motions", cache)) as counter:
         found = assess_station(
-            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes
-        )
+            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes,
+            lambda: counter.advance(pieces=0, effort=EFFORT_OF_A_QUESTION),
+        )  # fmt: skip
     warn(store.damaged)
     document = plain(found)
     page = station_page(found, postures_of(found, pictured(found), store, command), texts)
@@ -84,13 +95,25 @@ def _text(found: "StationAssessment") -> list[str]:
     from fatigue_planner.station.statements import of_changes, of_population, of_rotation, of_sensing
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
-    lines += [f"  {phrase}." for phrase in found.headline]
-    planned = (*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing))
-    lines += [f"  {phrase}." for phrase in planned]
+    lines += capped(found.headline)
+    lines += capped([*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing)])
     if found.changes:
-        lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
-    lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]
-    return [*lines, "", "What this rests on:", *(f"  {phrase}." for phrase in found.assumptions)]
+        lines += ["", "What one change would do:", *capped(list(of_changes(found.changes)))]
+    lines += ["", "Of the population:", *capped(list(of_population(found.shares)))]
+    return [*lines, "", "What this rests on:", *capped(found.assumptions)]
+
+
+def capped(phrases: "Sequence[Phrase]") -> Iterator[str]:
+    """Sentences as lines; of each kind only the first ones, then how many more there are."""
+    from fatigue_planner.output.reports.station.page import PAGE
+
+    of_kind, so_far = Counter(phrase.template for phrase in phrases), Counter[str]()
+    for phrase in phrases:
+        so_far[phrase.template] += 1
+        if so_far[phrase.template] <= MOST_LINES:
+            yield f"  {phrase}."
+        elif so_far[phrase.template] == MOST_LINES + 1:
+            yield f"  … and {of_kind[phrase.template] - MOST_LINES} more of this kind, see {PAGE}."
 
 
 def _worker(found: "StationAssessment", index: int) -> str:

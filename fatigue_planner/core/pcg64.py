@@ -12,6 +12,8 @@ from numba import types
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
+from fatigue_planner.core.jit import INLINED
+
 # The state and the increment (4,), the low half of each first.
 Words = NDArray[np.uint64]
 
@@ -47,12 +49,17 @@ def uniform(rng: Any) -> float:
     return float((((mixed >> turn | mixed << (-turn & 63)) & WORD) >> 11) * PRECISION)
 
 
+def below(rng: Any, count: int) -> int:
+    """The next number of 0 ... count - 1, as `int(uniform(rng) * count)`."""
+    return int(uniform(rng) * count)
+
+
 @intrinsic  # type: ignore[untyped-decorator]
 def _next(_typing: Any, words: Any) -> Any:
-    """What `uniform` does with words."""
+    """The 53 bits of which `uniform` with words makes its number."""
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        half, whole, real = ir.IntType(64), ir.IntType(128), ir.DoubleType()
+        half, whole = ir.IntType(64), ir.IntType(128)
         data = context.make_array(signature.args[0])(context, builder, args[0]).data
         place, increment = (
             builder.bitcast(builder.gep(data, [ir.Constant(half, i)]), whole.as_pointer()) for i in (0, 2)
@@ -64,14 +71,26 @@ def _next(_typing: Any, words: Any) -> Any:
         mixed, turn = builder.xor(high, builder.trunc(state, half)), builder.lshr(high, ir.Constant(half, 58))
         back = builder.and_(builder.neg(turn), ir.Constant(half, 63))
         turned = builder.or_(builder.lshr(mixed, turn), builder.shl(mixed, back))
-        number = builder.uitofp(builder.lshr(turned, ir.Constant(half, 11)), real)
-        return builder.fmul(number, ir.Constant(real, PRECISION))
+        return builder.lshr(turned, ir.Constant(half, 11))
 
-    return types.float64(words), codegen
+    return types.int64(words), codegen
 
 
-@overload(uniform, strict=False, jit_options={"_nrt": False, "forceinline": True})  # type: ignore[untyped-decorator]
+@overload(uniform, strict=False, jit_options=INLINED)  # type: ignore[untyped-decorator]
 def _uniform(rng: Any) -> Any:
     if isinstance(rng, types.Array):
-        return lambda rng: _next(rng)  # noqa: PLW0108 - numba wants a function of Python
+        return lambda rng: _next(rng) * PRECISION
     return lambda rng: rng.random()
+
+
+@overload(below, strict=False, jit_options=INLINED)  # type: ignore[untyped-decorator]
+def _below(rng: Any, count: Any) -> Any:
+    if not isinstance(rng, types.Array):
+        return lambda rng, count: int(rng.random() * count)
+
+    def drawn(rng: Any, count: int) -> int:
+        bits = _next(rng)
+        # of two, the first bit decides: no need to wait for a product of floating-point numbers
+        return bits >> 52 if count == 2 else int(bits * PRECISION * count)
+
+    return drawn

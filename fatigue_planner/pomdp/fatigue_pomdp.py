@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.jit import inlined
-from fatigue_planner.core.pcg64 import uniform
+from fatigue_planner.core.pcg64 import below, uniform
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.pomdp.boltzmann import lowest, normalise_choice, relative_chance, weigh
 from fatigue_planner.pomdp.cost import CostArrays, FatigueCost, cost_after, cost_moving, mean_square
@@ -101,7 +101,7 @@ def react_to_anything(
     arrays: FatigueArrays, state: Vector, action: int, scratch: Vector, rng: np.random.Generator
 ) -> tuple[int, float]:
     """The generative model of Fig. 4 for novices, whose choice does not depend on costs."""
-    preference = int(uniform(rng) * scratch.size)
+    preference = below(rng, scratch.size)
     reward = react(arrays, state, action, preference)
     return recognise(arrays, preference, rng), reward
 

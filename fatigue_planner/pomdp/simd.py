@@ -195,6 +195,40 @@ def _compiled_steps(_typing: Any, gain: Any, offset: Any, state: Any, rows: Any,
 move_along = _plain_steps if numba.config.DISABLE_JIT else _compiled_steps
 
 
+def _plain_put(state: Vector, states: Array, row: int) -> None:
+    """What `_compiled_put` compiles."""
+    state[:] = states[row]
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def _compiled_put(_typing: Any, state: Any, states: Any, row: Any) -> Any:
+    def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+        target, source = (context.make_array(signature.args[i])(context, builder, args[i]) for i in range(2))
+        (size,) = cgutils.unpack_tuple(builder, target.shape)
+
+        def copy(kind: Any, begin: Any, end: Any, step: int) -> None:
+            with cgutils.for_range_slice(builder, begin, end, ir.Constant(size.type, step)) as (j, _):
+                origin = cgutils.get_item_pointer(context, builder, states, source, (args[2], j))
+                read, written = (
+                    builder.bitcast(place, kind.as_pointer()) for place in (origin, builder.gep(target.data, [j]))
+                )
+                builder.store(builder.load(read, align=8), written, align=8)
+
+        in_blocks = ir.Constant(size.type, 0)
+        if states.layout == "C":
+            in_blocks = builder.and_(size, ir.Constant(size.type, -LANES))
+            copy(ir.VectorType(ir.DoubleType(), LANES), ir.Constant(size.type, 0), in_blocks, LANES)
+        copy(ir.DoubleType(), in_blocks, size, 1)
+        return context.get_dummy_value()
+
+    return types.void(state, states, types.intp), codegen
+
+
+# put(state, states, row): state (L,) := states[row], in the blocks that `move` reads: a processor waits where it reads
+# at once what it has just written in smaller pieces.
+put = _plain_put if numba.config.DISABLE_JIT else _compiled_put
+
+
 @inlined
 def sum_in_lanes(terms: Vector, lanes: Vector) -> float:
     """The sum of terms (W,), W a multiple of LANES, in LANES parts that do not wait for each other."""

@@ -26,12 +26,14 @@ def assess(
     command: str,
     progress: Callable[[Simulated], None] = lambda _: None,
     with_changes: bool = False,
+    asked: Callable[[], None] = lambda: None,
 ) -> StationAssessment:
     """Everything that is to be said of a station.
 
     Motions are found in the cache or simulated. command: what makes them, for messages; with_changes: also what single
-    changes of the station would do. Raises OutputFolderError if the cache cannot be written, DamagedFileError if what
-    was written is damaged.
+    changes of the station would do; asked: hears of every place and sex of the population that is done.
+
+    Raises OutputFolderError if the cache cannot be written, DamagedFileError if what was written is damaged.
     """
     changed = changed_stations(station) if with_changes else []
     found, *others = examine([station, *(each for _, each in changed)], cache, executor, command, progress)
@@ -45,7 +47,7 @@ def assess(
         summaries=tuple(found.summaries),
         best=found.best,
         cycles=cycles,
-        shares=tuple(reach_shares(station, executor)),
+        shares=tuple(reach_shares(station, executor, asked)),
         changes=changes_of([phrase for phrase, _ in changed], found, others),
         rotation=best_rotation(found, cache, command),
         sensing=sensing_of(found, cache, command),

@@ -186,8 +186,9 @@ class ReachShare:
     """Who of a population reaches a place, with a motion that a person would make, and is strong enough for it.
 
     shortest_m, tallest_m  the statures between which it is reached; None where none that was tried does
-    share        of the women or men of the population, and what it is with arms 3 cm shorter or longer
-    strong_share those with the strength for it, at the stature of the median
+    share        of the women or men of the population, and what it is with arms 3 cm shorter or longer; with empty
+        hands where the median strength cannot bear the load
+    strong_share those with the strength for it, at the stature of the median; `weakest_joint` is empty where nobody is
     """
 
     operation: str

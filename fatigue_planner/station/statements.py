@@ -41,6 +41,7 @@ NO_JOINT = "No joint tires"
 SHORTFALL = "{worker} cannot go on for ever: in cycle {cycle} {joint} cannot give what is asked"
 REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to {high:.0%} with 3 cm less or more)"
 REACH_NEARLY_ALL = "{place} is reached by nearly all of the {sex} population"
+NOT_STRONG = "Nobody of the {sex} population is strong enough for {place}: even P99 of strength cannot bear the load"
 STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
 # What has to be known.
 ASSUMED_POPULATION = "Percentiles are of ANSUR II, soldiers of the US Army in 2012; give population for your own people"
@@ -195,7 +196,9 @@ def of_population(shares: Sequence[ReachShare]) -> Phrases:
                     "high": each.share_high,
                 },
             )
-        if each.strong_share is not None:
+        if each.strong_share is not None and not each.weakest_joint:
+            yield Phrase(NOT_STRONG, {"sex": each.sex, "place": each.place})
+        elif each.strong_share is not None:
             joint = joint_name(each.weakest_joint)
             yield Phrase(STRONG, {"share": each.strong_share, "sex": each.sex, "place": each.place, "joint": joint})
 

@@ -1,9 +1,10 @@
 """Random numbers drawn in compiled code are NumPy's."""
 
 import numpy as np
+import pytest
 
 from fatigue_planner.core.jit import kernel
-from fatigue_planner.core.pcg64 import go_on, uniform, words_of
+from fatigue_planner.core.pcg64 import below, go_on, uniform, words_of
 
 
 @kernel
@@ -21,6 +22,25 @@ def test_words_give_numpys_numbers_compiled_or_not() -> None:
         assert np.array_equal(drawn, expected)
         assert np.array_equal([uniform(words[1]) for _ in range(1000)], expected)
         assert np.array_equal(*words)
+
+
+@kernel
+def draw_some_below(source: object, count: int, drawn: np.ndarray) -> None:
+    for i in range(drawn.size):
+        drawn[i] = below(source, count)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 1000])
+def test_a_number_below_another_takes_one_uniform_number(count: int) -> None:
+    expected = (np.random.default_rng(count).random(1000) * count).astype(int)
+    sources = [words_of(np.random.default_rng(count)), np.random.default_rng(count)]
+    drawn = np.empty(1000)
+    for source in sources:
+        draw_some_below(source, count, drawn)
+        assert np.array_equal(drawn, expected)
+    words = words_of(np.random.default_rng(count))
+    assert [below(words, count) for _ in range(1000)] == expected.tolist()
+    assert words is not None and np.array_equal(words, sources[0])
 
 
 def test_a_generator_goes_on_where_its_words_have_come_to() -> None:

@@ -11,6 +11,7 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from commands import fatplan
 from conftest import ROOT
@@ -24,6 +25,7 @@ from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.experiment.pose_grid import point_name
 from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.model import CycleMap
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.plausibility import BARS, Finding
 from fatigue_planner.output.reports.station import catalogue as texts
@@ -54,9 +56,10 @@ from fatigue_planner.station.assessment import (
     WholeCycle,
 )
 from fatigue_planner.station.changes import LIGHTER
+from fatigue_planner.station.cycles import Course
 from fatigue_planner.station.limits import Breach, Limit
 from fatigue_planner.station.loader import load_station
-from fatigue_planner.station.recommendation import excluded, places_for_workers, summaries
+from fatigue_planner.station.recommendation import best_of, excluded, places_for_workers, ranked, summaries
 from fatigue_planner.station.schema import Place, Station
 from fatigue_planner.station.statements import assumptions_of, headline_of
 from fatigue_planner.station.tables import INDICATOR_COLUMNS, indicator_rows, plain, write
@@ -276,6 +279,26 @@ def test_the_page_says_what_planning_with_sensing_adds(
         wording = Wording(catalogue_of(language), assessment.workers)
         last = [words(wording.sentence(each)) for each in planning(replace(assessment, sensing=sensing))][-1]
         assert not wording.catalogue.missing and (language != "en" or said in last)
+
+
+def test_what_a_rule_forbids_is_left_out_and_never_recommended(assessment: StationAssessment) -> None:
+    """The door, forbidden to one of three workers: excluded for all, in no ranking; the first lines name its rule."""
+    station = assessment.station
+    reached = [replace(each, kind="reached", breaches=(), findings=()) for each in assessment.outcomes]
+    alone = {each.doing: replace(assessment.judged[0], doing=each.doing) for each in reached}
+    rules = tuple(Rule(kind, kind, Level.NOT_ACCEPTABLE, seconds, "") for kind, seconds in (("a", 3.0), ("b", 20.0)))
+    for doing, judged in alone.items():
+        if doing.place == "door" and doing.worker == "tall_man":
+            alone[doing] = replace(judged, level=Level.NOT_ACCEPTABLE, by=rules)
+    places = places_for_workers(station, reached, alone)
+    out = excluded(station, places, alone)
+    assert {place for _, place in out} == {"door"} and "a, b" in str(out["fit", "door"])
+    course = Course(*(CycleMap(np.full(2, 0.5), np.full(2, 0.1)) for _ in range(3)))
+    ranking = ranked(station, places, out, dict.fromkeys(alone, course))
+    assert {each.places for each in ranking} == {("overhead",), ("floor",)}
+    lines = headline_of(station, places, summaries(station, places, alone), best_of(station, ranking, out, None), ())
+    assert "fit at door is not acceptable for 20 of 42 s by b (20 s), a (3 s)" in map(str, lines)
+    assert not any(str(line) == "Best for fit: door" for line in lines)
 
 
 def test_without_an_allowed_place_nothing_is_recommended(

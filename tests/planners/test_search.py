@@ -36,7 +36,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.planners.pomcp import kernels, policy
 from fatigue_planner.planners.pomcp.policy import PomcpPolicy
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, build_pomdp, one_worker
-from fatigue_planner.pomdp.simd import move_along
+from fatigue_planner.pomdp.simd import move_along, put
 from fatigue_planner.reactions.reaction import Reaction
 
 BACKUPS = ("mean", "max", "exact")
@@ -221,3 +221,18 @@ def test_several_steps_at_once_are_one_after_the_other(width: int) -> None:
 @kernel
 def step_along(gain: np.ndarray, offset: np.ndarray, state: np.ndarray, rows: np.ndarray, begin: int, end: int) -> None:
     move_along(gain, offset, state, rows, begin, end)
+
+
+@kernel
+def put_row(state: np.ndarray, states: np.ndarray, row: int) -> None:
+    put(state, states, row)
+
+
+@pytest.mark.parametrize("width", [1, 7, 8, 17, 81])
+def test_a_descent_begins_in_a_state_of_the_belief(width: int) -> None:
+    """However the belief's states lie in memory; nothing beside the state is written."""
+    states = np.random.default_rng(width).random((3, width))
+    for laid_out in (states, np.asfortranarray(states), np.repeat(states, 2, axis=1)[:, ::2]):
+        memory = np.full(width + 1, -1.0)
+        put_row(memory[:width], laid_out, 1)
+        assert memory.tolist() == [*states[1], -1.0]

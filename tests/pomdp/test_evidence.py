@@ -25,7 +25,8 @@ from fatigue_planner.fatigue.laws.registry import KINDS
 from fatigue_planner.fatigue.model import Rest
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.bounded import MAX_STATES, merged, thinned
-from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
+from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief
+from fatigue_planner.pomdp.beliefs.history import relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings, ParticleSettings
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
@@ -412,7 +413,7 @@ def test_beliefs_of_ones_own() -> None:
 
 def test_problems_without_time() -> None:
     """Listening of which nothing was heard tells nothing; a tiger knows no rest."""
-    heard = NO_IDEA.update(2, 0, RNG)
+    heard = replace(NO_IDEA, weights=np.array([0.85, 0.15]))
     np.testing.assert_allclose(heard.predict(2, RNG).weights, heard.weights)
     opened = heard.predict(0, RNG)
     assert sorted(opened.states[:, 0]) == [0, 1] and opened.weights.tolist() == [0.5, 0.5]

@@ -25,8 +25,9 @@ from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.planners.baselines import GreedyPolicy
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
-from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
-from fatigue_planner.pomdp.beliefs.particles import History, ParticleBelief
+from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief
+from fatigue_planner.pomdp.beliefs.history import History, relive
+from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 from fatigue_planner.pomdp.beliefs.registry import (
     MAX_EXACT,
     ExactSettings,

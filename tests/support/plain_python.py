@@ -27,6 +27,8 @@ def interpreted(kernel: Any, **parts: Any) -> FunctionType:
             names[name] = simd._interpreted(store, squares)
         elif names.get(name) is simd.move_along:
             names[name] = simd._plain_steps
+        elif names.get(name) is simd.put:
+            names[name] = simd._plain_put
         elif hasattr(names.get(name), "py_func"):
             names[name] = interpreted(names[name], **parts)
     return FunctionType(plain.__code__, names, plain.__name__, plain.__defaults__, plain.__closure__)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fatigue_planner.core.jit import inlined_for_any_problem
-from fatigue_planner.core.pcg64 import uniform
+from fatigue_planner.core.pcg64 import below
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.pomdp.parts import bound, expected_reward, step
 
@@ -37,7 +37,7 @@ def random_rollout(
     """
     gained, weight = 0.0, 1.0
     for _ in range(parameters.rollout_cycles):
-        action = int(uniform(rng) * actions)
+        action = below(rng, actions)
         _, reward = step(arrays, workspace.state, action, workspace.probabilities, rng)
         gained += weight * reward
         weight *= parameters.discount

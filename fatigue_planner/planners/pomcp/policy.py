@@ -60,13 +60,13 @@ class PomcpPolicy(Policy):
         if needs_a_sparse_tree(belief.model):
             return self._sparse_search().act(belief, rng)
         root = self.tree(belief, rng, begin).nodes[0]
-        visits = root["tried"].astype(np.int64)
-        untried = visits == 0
-        values = root["value"].copy()
-        values[untried] = -np.inf
-        action = int(values.argmax())
-        values[untried] = np.nan
-        reason = explained(f"best estimated return after {visits.sum()} descents", belief)
+        visits, values = root["tried"].astype(np.int64), root["value"].copy()
+        if visits.all():
+            action = int(values.argmax())
+        else:
+            values[visits == 0] = np.nan
+            action = int(np.nanargmax(values))
+        reason = explained(f"best estimated return after {root['visited'] - 1} descents", belief)
         return Decision(action, values, visits, self._depth, time.perf_counter() - begin, reason)
 
     def _sparse_search(self) -> SparsePolicy:

@@ -14,6 +14,7 @@ from fatigue_planner.core.pcg64 import uniform
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.planners.pomcp.tree import UNVISITED, Array, Tree, Vector
 from fatigue_planner.pomdp.problem import draw
+from fatigue_planner.pomdp.simd import put
 
 Node = Any
 
@@ -99,8 +100,7 @@ def grow(
     max_depth = 0
     for _ in range(descents):
         particle = 0 if certain else draw(weights, uniform(rng))
-        for j in range(state.size):
-            state[j] = states[particle, j]
+        put(state, states, particle)
         index: Any = np.uint32(0)
         depth, taken = 0, 0  # the state is the one at depth `taken`
         while True:

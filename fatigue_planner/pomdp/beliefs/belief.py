@@ -87,6 +87,10 @@ class Belief(ABC):
         """
         raise ProblemError(f"{type(self).__name__} has no `rest`: it knows nothing of pauses.")
 
+    def warm_up(self) -> None:
+        """Compile what `predict` and `weigh` will ever need, by trying it: seconds, where nothing is compiled yet."""
+        self.predict(0, np.random.default_rng(0))
+
     def expected_rewards(self) -> Vector:
         """Expected reward of every action for one cycle, (A,); -inf where a possible state forbids it.
 

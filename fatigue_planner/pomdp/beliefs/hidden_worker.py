@@ -2,22 +2,15 @@
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fatigue_planner.core.jit import compiled, inlined
-from fatigue_planner.pomdp.beliefs.particles import MIN_PROBABILITY, History, ParticleBelief
-from fatigue_planner.pomdp.fatigue_pomdp import (
-    FatigueArrays,
-    FatiguePomdp,
-    Workers,
-    first_row,
-    preference_probabilities,
-)
+from fatigue_planner.pomdp.beliefs.forgotten import Forgotten, design, fitted
+from fatigue_planner.pomdp.beliefs.history import History, evidence_again, lived_by, relive
+from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
-from fatigue_planner.pomdp.simd import move
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -26,7 +19,13 @@ Array = NDArray[np.float64]
 # Proposals change a worker's quantile by up to 0.5, or by as little as this times that: the sizes are spread evenly
 # over the orders of magnitude, so that some fit however much is known.
 MIN_STEP = 1e-3
-NO_REST = np.zeros((0, 0))
+# Cycles pass into `History.forgotten` by so many.
+BLOCK = 100
+# Particles of the filters that find out what they told.
+FILTER = 32
+# Cycles are forgotten one by one when less than this is left of the fatigue before them, or MAX_REMEMBERED later.
+REMNANT = 1e-6
+MAX_REMEMBERED = 400
 
 
 @dataclass(frozen=True)
@@ -62,6 +61,58 @@ class HiddenWorkerBelief(ParticleBelief):
         """Every particle's worker, (n,)."""
         return self.model.workers.pick(self.states[:, -1].astype(np.intp))
 
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> "HiddenWorkerBelief":
+        """See Belief.weigh; the history stays bounded."""
+        after = super().weigh(action, likelihood, rng, duration_s=duration_s)
+        assert isinstance(after, HiddenWorkerBelief)
+        return after.settling(rng)
+
+    def warm_up(self) -> None:
+        """See Belief.warm_up."""
+        super().warm_up()
+        rng = np.random.default_rng(0)
+        self._told_by(self.weigh(0, np.ones(len(self.model.outcomes)), rng).history, rng)
+
+    def settling(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
+        """The belief whose history remembers a bounded number of cycles one by one, and of the others what they told.
+
+        Of 2 * BLOCK cycles in the likelihood, the first half is settled: it goes into `History.forgotten`. Of settled
+        cycles, only those are kept that the fatigue has not forgotten.
+        """
+        history = self.history
+        if history.actions.size - history.settled < 2 * BLOCK:
+            return self
+        settled = history.settled + BLOCK
+        told = self._told_by(history.first(settled), rng)
+        forgotten = told if history.forgotten is None else history.forgotten.and_then(told)
+        gone = max(0, settled - self._cycles_to_forget())
+        start = history.start.copy()
+        relive(self.model, start, history.first(gone))
+        history = replace(history, settled=settled, forgotten=forgotten).without(gone, start)
+        log_likelihood = relive(self.model, start.copy(), history)
+        return replace(self, history=replace(history, log_likelihood=log_likelihood))
+
+    def _told_by(self, history: History, rng: np.random.Generator) -> Forgotten:
+        """What the cycles since a history settled tell about the worker."""
+        quantiles = self.quantiles[self.states[:, -1].astype(np.intp)]
+        blocks = 0 if history.forgotten is None else history.forgotten.blocks
+        quantiles = design(self.prior, quantiles, self.weights, blocks + 2, rng)
+        model = self.model.for_workers(self.prior.at(quantiles))
+        chosen = rng.choice(len(self.weights), FILTER, p=self.weights)
+        uniforms = rng.random((history.actions.size, FILTER + 1))
+        past = lived_by(model, history.pick(chosen))
+        values = evidence_again(model.arrays, past, history.start[chosen], uniforms, len(model.outcomes))
+        return fitted(self.prior, quantiles, values)
+
+    def _cycles_to_forget(self) -> int:
+        """After how many cycles the most enduring fatigue of any of the workers is a REMNANT of what it was."""
+        slowest = float(self.model.arrays.gain.max())
+        if slowest >= REMNANT ** (1 / MAX_REMEMBERED):
+            return MAX_REMEMBERED
+        return math.ceil(math.log(REMNANT) / math.log(slowest)) if slowest > 0 else 1
+
     def rejuvenated(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior unchanged.
 
@@ -83,7 +134,11 @@ class HiddenWorkerBelief(ParticleBelief):
             proposed[:, column] = (quantiles[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
             likelihood = relive(self.model.for_workers(self.prior.at(proposed)), moved, history)
-            accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
+            gained = likelihood - log_likelihood
+            if history.forgotten is not None:
+                gained += history.forgotten.log_likelihood(self.prior, proposed)
+                gained -= history.forgotten.log_likelihood(self.prior, quantiles)
+            accepted = rng.random(count) < np.exp(np.minimum(gained, 0))
             quantiles = np.where(accepted[:, None], proposed, quantiles)
             states = np.where(accepted[:, None], moved, states)
             log_likelihood = np.where(accepted, likelihood, log_likelihood)
@@ -94,65 +149,3 @@ class HiddenWorkerBelief(ParticleBelief):
             states=states,
             history=replace(history, start=start, log_likelihood=log_likelihood),
         )
-
-
-class Past(NamedTuple):
-    """What `live_again` reads of a history, and of the workers it is lived by.
-
-    actions (t,), outcomes (n, t), rest_s (t + 1,): see History. gain, offset (tables * M * A * U, W): the cycle maps as
-    lived, of which cycle i is in table number tables[i]; fade, grow (M, W): at rest, df/dt = grow - fade f
-    """
-
-    actions: NDArray[np.int64]
-    outcomes: NDArray[np.int16]
-    rest_s: Vector
-    gain: Array
-    offset: Array
-    tables: NDArray[np.intp]
-    fade: Array
-    grow: Array
-
-
-def relive(model: FatiguePomdp, states: Array, history: History) -> Vector:
-    """Take states (n, L) in place through the past of particles (n,); log of their outcomes' probability, (n,)."""
-    shares, tables = np.unique(history.shares, return_inverse=True)
-    lived = [model.evidence_arrays(share).lived for share in shares] or [model.arrays]
-    gain, offset = lived[0].gain, lived[0].offset
-    if len(lived) > 1:
-        gain, offset = (np.concatenate([getattr(arrays, name) for arrays in lived]) for name in ("gain", "offset"))
-    fade, grow = model.rest_rates() if history.rest_s.any() else (NO_REST, NO_REST)
-    past = Past(history.actions, history.outcomes, history.rest_s, gain, offset, tables, fade, grow)
-    return live_again(model.arrays, past, states, len(model.outcomes))
-
-
-@inlined
-def pause(past: Past, state: Vector, number: int) -> None:
-    """Let the worker of a state rest for pause `number`. Neighbouring entries often fade at the same rate."""
-    seconds = past.rest_s[number]
-    if seconds > 0:
-        worker = int(state[state.size - 1])
-        left, held, last = 1.0, seconds, 0.0
-        for j in range(state.size - 1):
-            fade = past.fade[worker, j]
-            if fade != last:
-                left = math.exp(-fade * seconds)
-                held = -math.expm1(-fade * seconds) / fade if fade > 0 else seconds
-                last = fade
-            state[j] = left * state[j] + past.grow[worker, j] * held
-
-
-@compiled
-def live_again(arrays: FatigueArrays, past: Past, states: Array, n_outcomes: int) -> Vector:
-    """See `relive`."""
-    log_likelihood = np.zeros(len(states))
-    probabilities = np.empty(n_outcomes)
-    rows = arrays.gain.shape[0]
-    for i in range(len(states)):
-        pause(past, states[i], 0)
-        for t in range(past.actions.size):
-            preference_probabilities(arrays, states[i], past.actions[t], probabilities)
-            log_likelihood[i] += np.log(max(probabilities[past.outcomes[i, t]], MIN_PROBABILITY))
-            row = first_row(arrays, states[i], past.actions[t]) + past.outcomes[i, t]
-            move(past.gain, past.offset, states[i], past.tables[t] * rows + row)
-            pause(past, states[i], t + 1)
-    return log_likelihood

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
+from fatigue_planner.pomdp.beliefs.history import MIN_PROBABILITY, History
 from fatigue_planner.pomdp.problem import (
     Observation,
     Pomdp,
@@ -26,56 +27,6 @@ from fatigue_planner.pomdp.timing import AS_PLANNED, Pace
 
 # Resample where the effective sample size is below this fraction of the particles (the usual choice).
 MIN_EFFECTIVE_FRACTION = 0.5
-# The probability in a particle's past of an outcome that was seen although the particle holds it impossible.
-MIN_PROBABILITY = 1e-300
-
-
-@dataclass(frozen=True)
-class History:
-    """What rejuvenation needs to know about the past.
-
-    start (n, L): where each particle began; actions (t,); outcomes (n, t); log_likelihood (n,): the log of
-    the outcomes' probability; shares (t,): of the planned duration, that each reaction took; rest_s (t + 1,): the
-    pauses, of which number i is before cycle i (see `timing.Pace`)
-    """
-
-    start: Array
-    actions: NDArray[np.int64]
-    outcomes: NDArray[np.int16]
-    log_likelihood: Vector
-    shares: Vector
-    rest_s: Vector
-
-    @staticmethod
-    def begin(states: Array) -> "History":
-        """The history before the first cycle."""
-        count = len(states)
-        outcomes = np.zeros((count, 0), np.int16)
-        return History(states, np.zeros(0, np.int64), outcomes, np.zeros(count), np.zeros(0), np.zeros(1))
-
-    def then(
-        self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector, pace: Pace = AS_PLANNED
-    ) -> "History":
-        """The history with one more cycle, whose outcomes alone have this log_likelihood."""
-        return History(
-            self.start,
-            np.append(self.actions, action),
-            np.column_stack([self.outcomes, outcomes]),
-            self.log_likelihood + log_likelihood,
-            np.append(self.shares, pace.share),
-            np.append(self.rest_s, pace.rest_s),
-        )
-
-    def resting(self, seconds: float) -> "History":
-        """The history with a pause."""
-        rest_s = self.rest_s.copy()
-        rest_s[-1] += seconds
-        return replace(self, rest_s=rest_s)
-
-    def pick(self, chosen: NDArray[np.intp]) -> "History":
-        """The past of some of the particles."""
-        own = self.start[chosen], self.outcomes[chosen], self.log_likelihood[chosen]
-        return replace(self, start=own[0], outcomes=own[1], log_likelihood=own[2])
 
 
 @dataclass(frozen=True)
@@ -130,6 +81,11 @@ class ParticleBelief(Belief):
         states = self.model.rested(self.states, seconds)
         return replace(self, states=states, history=self.history and self.history.resting(seconds))
 
+    def warm_up(self) -> None:
+        """See Belief.warm_up."""
+        rng = np.random.default_rng(0)
+        self.weigh(0, np.ones(len(self.model.outcomes)), rng).resampled(rng)
+
     def _moved(
         self,
         parts: Mapping[str, Any],
@@ -140,7 +96,7 @@ class ParticleBelief(Belief):
         pace: Pace = AS_PLANNED,
     ) -> "ParticleBelief":
         kernel = specialised(move_particles, **parts)
-        uniforms = rng.random(len(self.weights))
+        uniforms, n_outcomes = rng.random(len(self.weights)), len(self.model.outcomes)
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states = self.states.copy()
             outcomes, log_outcome, log_likelihood = kernel(
@@ -148,7 +104,7 @@ class ParticleBelief(Belief):
                 states,
                 action,
                 evidence,
-                len(self.model.outcomes),
+                n_outcomes,
                 trust_outcome,
                 trust_observation,
                 uniforms,
@@ -159,17 +115,26 @@ class ParticleBelief(Belief):
         log_weights -= log_weights.max()
         weights = np.exp(log_weights)
         surprised = not (trust_outcome and trust_observation)
+        history = self.history
+        if history is not None:
+            likelihood = self._likelihood(evidence) if trust_observation else np.ones(n_outcomes)
+            history = history.then(action, outcomes, likelihood, log_outcome, pace)
         belief = replace(
             self,
             states=self.model.rested(states, pace.rest_s) if pace.rest_s > 0 else states,
             weights=weights / weights.sum(),
             log_weights=log_weights,
             surprised=surprised,
-            history=self.history and self.history.then(action, outcomes, log_outcome, pace),
+            history=history,
         )
         if surprised or belief.effective_size() < MIN_EFFECTIVE_FRACTION * len(weights):
             return belief.resampled(rng)
         return belief
+
+    def _likelihood(self, evidence: Any) -> Vector:
+        """The likelihood of every outcome (U,) in the fatigue problem, the only one of which a history is recorded."""
+        observed = isinstance(evidence, int | np.integer)
+        return np.asarray(self.model.arrays.observation[:, evidence] if observed else evidence)
 
     def among(self, chosen: NDArray[np.bool_]) -> Self:
         """See Belief.among."""
