@@ -461,6 +461,7 @@ def warm_up(scenario: Scenario, adviser: Adviser, shift: Shift, deadline_s: floa
     Raises SelectionError if a decision takes longer than the deadline even then.
     """
     model = scenario.model
+    shift.belief.warm_up()
     slowest_s = 0.0
     for turn in range(3):
         for seen in (None, *model.observations):

@@ -132,8 +132,6 @@ class Shift:
                 if event.idle_s:
                     belief = belief.rest(event.idle_s)
                 action = belief.model.actions.index(event.executed)
-                if event.observation is not None and event.duration_s is None:
-                    return belief.update(action, belief.model.observations.index(event.observation), rng)
                 return belief.weigh(action, self.likelihood(event), rng, duration_s=event.duration_s)
         raise AssertionError(event)
 

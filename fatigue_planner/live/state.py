@@ -81,7 +81,8 @@ def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:
     model = belief.model
     if not isinstance(model, FatiguePomdp):
         return ()
-    fatigue = np.array([model.fatigue(state) for state in belief.states])
+    # a set that was thinned keeps means and variances, at the price of states slightly outside what can be
+    fatigue = np.array([model.fatigue(state) for state in belief.states]).clip(0, 1)
     means = belief.weights @ fatigue
     return tuple(
         JointFatigue(ENTRIES[number], float(means[number]), *interval(fatigue[:, number], belief.weights))

@@ -211,8 +211,8 @@ def test_what_the_robot_did_counts(scenario: fp.Scenario, path: Path, clock: Fak
         other = next(name for name in scenario.model.actions if name != asked)
         session.observe(1, executed=other, observation="arm")
         assert session.counts.other_actions == 1
-        expected = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0)).update(
-            scenario.model.actions.index(other), scenario.model.observations.index("arm"), np.random.default_rng(0)
+        expected = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0)).weigh(
+            scenario.model.actions.index(other), [1.0, 0.0], np.random.default_rng(0)
         )
         assert np.array_equal(session._shift.belief.states, expected.states)
 
