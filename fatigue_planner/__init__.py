@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from fatigue_planner.core.plugins import register as register
     from fatigue_planner.experiment.schema import Experiment as Experiment
     from fatigue_planner.fatigue.laws.law import FatigueLaw as FatigueLaw
+    from fatigue_planner.live.clock import Clock as Clock
+    from fatigue_planner.live.session import CycleDecision as CycleDecision
+    from fatigue_planner.live.session import Session as Session
     from fatigue_planner.motion.tasks.task import PreferenceTask as PreferenceTask
     from fatigue_planner.motion.tasks.task import Task as Task
     from fatigue_planner.output.reports.results.report import report_section as report_section
@@ -64,6 +67,8 @@ _WHERE = {
     "core.plugins": ("load_plugin", "register"),
     "experiment.schema": ("Experiment",),
     "fatigue.laws.law": ("FatigueLaw",),
+    "live.clock": ("Clock",),
+    "live.session": ("CycleDecision", "Session"),
     "motion.tasks.task": ("PreferenceTask", "Task"),
     "output.reports.results.report": ("report_section",),
     "planners.policy": ("Decision", "Policy", "PolicySettings"),

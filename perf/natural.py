@@ -3,8 +3,9 @@
     python perf/natural.py [experiment.yaml ...]
 
 The worst of every measure over all reactions of the experiments, by default of those that ship, with the paper's
-task as the natural human does it; the same for random targets, on which nothing was tuned; then ticks per second of
-both humans, on the paper's reactions, interleaved.
+task as the natural human does it, and how far pelvis and head are turned, for which there is no bar; the same for
+random targets, on which nothing was tuned; then ticks per second of both humans, on the paper's reactions,
+interleaved.
 """
 
 import os
@@ -22,6 +23,12 @@ from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment, parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.human.anthropometry import Anthropometry
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.skeleton import BODIES
+from fatigue_planner.motion import posture_measures as posture
+from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.physiology.facing import heading
 from fatigue_planner.motion.plausibility import BARS, measure_plausibility
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
@@ -81,9 +88,19 @@ def plausible(experiment: Experiment) -> None:
     print(f"{experiment.name}: {len(requests)} reactions, {usable} with the hands on target, {fine} of them plausible")
 
 
+def turned_deg(person: Anthropometry, motion: Motion) -> dict[str, float]:
+    """How far the pelvis is turned on the feet and the head in the chest, in the middle of the work."""
+    middle = motion.middle("work")
+    poses = poses_of(tree_of(person), motion.configuration[middle : middle + 1])
+    neck = posture.turn(poses, "head", "thorax")[0]
+    angles = heading(poses.rotation[0, BODIES.index("pelvis")]), np.arctan2(neck[1, 0], neck[1, 1])
+    return dict(zip(("pelvis_turned_deg", "neck_twist_deg"), np.abs(np.degrees(angles)).tolist(), strict=True))
+
+
 def table(experiments: list[Experiment]) -> None:
     """Print the worst value of every measure, where it is, and its bar; and what cannot be used."""
     worst: dict[str, tuple[float, str]] = {}
+    turned: dict[str, list[float]] = {}
     count, beyond, leans = 0, [], {}
     for experiment in experiments:
         for request in reaction_requests(experiment):
@@ -99,6 +116,9 @@ def table(experiments: list[Experiment]) -> None:
             values |= {"hand_error_m": quality.work_hand_error_m, "eased_ticks": quality.eased_ticks}
             values |= {"equation_of_motion_nm": quality.equation_of_motion_nm, "energy": quality.energy_error_share}
             values["tissue_violation_nm"] = quality.tissue_violation_nm
+            for key, angle in turned_deg(request.motion.worker.anthropometry(), motion).items():
+                turned.setdefault(key, []).append(angle)
+                values[key] = angle
             for key, value in values.items():
                 worst[key] = max(worst.get(key, (-1.0, "")), (value, name))
             texts = [finding.text for finding in seen.findings()] + quality.faults(experiment.accuracy)
@@ -107,6 +127,7 @@ def table(experiments: list[Experiment]) -> None:
     for key, (value, name) in worst.items():
         bar = f"{BARS[key].most:g}" if key in BARS else "-"
         print(f"  {key:<24} {value:10.3g}  bar {bar:>6}  {name}")
+    print("medians:", {key: f"{np.median(angles):.1f}" for key, angles in turned.items()})
     for name, lean in leans.items():
         if name.endswith(("low/arm", "low/back")):
             print(f"  lean of {name}: {lean:.1f} deg")

@@ -37,7 +37,8 @@ def run(python: str, versions: str, options: list[str]) -> bool:
         pins = []
         if versions == "lowest":
             extras = PROJECT["optional-dependencies"]
-            pins = lowest([*PROJECT["dependencies"], *extras["dask"], *extras["docs"], *extras["gymnasium"]])
+            named = [one for name in ("dask", "docs", "gymnasium", "live") for one in extras[name]]
+            pins = lowest([*PROJECT["dependencies"], *named])
         install = [inside, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         commands = [[*install, "--editable", f"{ROOT}[dev]", *pins], [inside, "-m", "pytest", "-q", *options]]
         for command in commands:

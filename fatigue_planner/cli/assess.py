@@ -1,5 +1,7 @@
 """`fatplan assess`: an ergonomist's station, from a file to an answer."""
 
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,8 +11,17 @@ from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress, warn
 
 if TYPE_CHECKING:
-    from fatigue_planner.station.assessment import StationAssessment
+    from fatigue_planner.core.executors.executor import Executor
+    from fatigue_planner.ergonomics.result import Phrase
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.station.assessment import Outcome, StationAssessment
     from fatigue_planner.station.schema import Station
+
+
+# About how many motions are tried to find who of a population reaches a place.
+EFFORT_OF_A_QUESTION = 4
+# So many lines of a kind are printed; the page has all of them.
+MOST_LINES = 6
 
 
 def assess(
@@ -21,7 +32,11 @@ def assess(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this station.")
     ] = None,
     explain: Annotated[
-        bool, typer.Option("--explain", help="Print the experiments that the station becomes (YAML), and stop.")
+        bool,
+        typer.Option(
+            "--explain",
+            help="Print the experiments that the station becomes (YAML), without what breaks its limits, and stop.",
+        ),
     ] = False,
     changes: Annotated[
         bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
@@ -48,22 +63,25 @@ def assess(
     from fatigue_planner.station.changes import changed_stations
     from fatigue_planner.station.loader import load_station
     from fatigue_planner.station.outcomes import tasks_of
+    from fatigue_planner.station.population_reach import questions
     from fatigue_planner.station.tables import plain, write
 
     texts = catalogue_of(language)
     settings = load_station(station)
-    if explain:
-        _explain(settings, as_json)
-        return
-    folder = writable_folder(output or results / settings.name)
     executor, store = options.executor_of(jobs, None), ReactionCache(cache)
     command = options.command_line("assess", station, cache, results)
+    if explain:
+        _explain(settings, store, executor, command, as_json)
+        return
+    folder = writable_folder(output or results / settings.name)
     stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
-    motions = sum(len(tasks_of(each)) for each in stations)
-    with progress("Simulating", motions, kept=("motions", cache)) as counter:
+    motions, asked = sum(len(tasks_of(each)) for each in stations), len(list(questions(settings)))
+    effort = motions + EFFORT_OF_A_QUESTION * asked
+    with progress("Simulating", motions, effort, kept=("motions", cache)) as counter:
         found = assess_station(
-            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes
-        )
+            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes,
+            lambda: counter.advance(pieces=0, effort=EFFORT_OF_A_QUESTION),
+        )  # fmt: skip
     warn(store.damaged)
     document = plain(found)
     page = station_page(found, postures_of(found, pictured(found), store, command), texts)
@@ -74,15 +92,28 @@ def assess(
 
 def _text(found: "StationAssessment") -> list[str]:
     """What an ergonomist needs first, then who of a population can, then what it rests on."""
-    from fatigue_planner.station.statements import of_changes, of_population, of_rotation
+    from fatigue_planner.station.statements import of_changes, of_population, of_rotation, of_sensing
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
-    lines += [f"  {phrase}." for phrase in found.headline]
-    lines += [f"  {phrase}." for phrase in of_rotation(found.rotation)]
+    lines += capped(found.headline)
+    lines += capped([*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing)])
     if found.changes:
-        lines += ["", "What one change would do:", *(f"  {phrase}." for phrase in of_changes(found.changes))]
-    lines += ["", "Of the population:", *(f"  {phrase}." for phrase in of_population(found.shares))]
-    return [*lines, "", "What this rests on:", *(f"  {phrase}." for phrase in found.assumptions)]
+        lines += ["", "What one change would do:", *capped(list(of_changes(found.changes)))]
+    lines += ["", "Of the population:", *capped(list(of_population(found.shares)))]
+    return [*lines, "", "What this rests on:", *capped(found.assumptions)]
+
+
+def capped(phrases: "Sequence[Phrase]") -> Iterator[str]:
+    """Sentences as lines; of each kind only the first ones, then how many more there are."""
+    from fatigue_planner.output.reports.station.page import PAGE
+
+    of_kind, so_far = Counter(phrase.template for phrase in phrases), Counter[str]()
+    for phrase in phrases:
+        so_far[phrase.template] += 1
+        if so_far[phrase.template] <= MOST_LINES:
+            yield f"  {phrase}."
+        elif so_far[phrase.template] == MOST_LINES + 1:
+            yield f"  … and {of_kind[phrase.template] - MOST_LINES} more of this kind, see {PAGE}."
 
 
 def _worker(found: "StationAssessment", index: int) -> str:
@@ -94,20 +125,36 @@ def _written(folder: Path, files: list[Path]) -> str:
     return f"{folder}: {', '.join(path.name for path in files)}"
 
 
-def _explain(station: "Station", as_json: bool) -> None:
-    """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands."""
+def _explain(station: "Station", store: "ReactionCache", executor: "Executor", command: str, as_json: bool) -> None:
+    """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands.
+
+    With limits, the motions are simulated first: what breaks one is not in them.
+    """
     import yaml
 
     from fatigue_planner.experiment.loader import complete_content
-    from fatigue_planner.station.experiments import parts_of
+    from fatigue_planner.station.bound_experiments import bound_experiments
+    from fatigue_planner.station.examine import examine
+    from fatigue_planner.station.outcomes import tasks_of
 
+    outcomes: Sequence[Outcome] = ()
+    if station.limits:
+        with progress("Simulating", len(tasks_of(station)), kept=("motions", store.folder)) as counter:
+            examined = examine([station], store, executor, command, lambda made: counter.advance(pieces=made.kept))
+        outcomes = examined[0].outcomes
+        warn(store.damaged)
     contents: dict[str, Any] = {}
-    for part in parts_of(station):
-        complete = complete_content(part.experiment)
-        own = ("name", "human", "workers", "cycle", "actions", "preferences", "controller", "accuracy")
-        contents[part.experiment.name] = {key: complete[key] for key in own}
-    texts = [
-        f"# {name}.yaml\n" + yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120)
-        for name, content in contents.items()
-    ]
-    options.present({"experiments": contents}, "---\n".join(texts).rstrip(), as_json)
+    texts, left_out = [], {}
+    for name, experiment, reasons in bound_experiments(station, outcomes):
+        text = "".join(f"# left out: {reason}\n" for reason in reasons)
+        if experiment is None:
+            texts.append(f"# {name}: nothing is left\n{text}")
+        else:
+            complete = complete_content(experiment)
+            own = ("name", "human", "workers", "cycle", "actions", "preferences", "controller", "accuracy")
+            contents[name] = {key: complete[key] for key in own}
+            written = yaml.safe_dump(contents[name], sort_keys=False, default_flow_style=None, width=120)
+            texts.append(f"# {name}.yaml\n{text}{written}")
+        if reasons:
+            left_out[name] = reasons
+    options.present({"experiments": contents, "left_out": left_out}, "---\n".join(texts).rstrip(), as_json)

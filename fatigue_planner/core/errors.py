@@ -126,6 +126,32 @@ class MissingExtraError(FatplanError):
     """What was asked for needs libraries that are not installed by default."""
 
 
+class CycleError(FatplanError):
+    """What was said or asked is of a cycle that is not going on."""
+
+
+class ContradictionError(FatplanError):
+    """A cycle was observed in two ways."""
+
+
+class EvidenceError(FatplanError):
+    """What was said of a cycle or a pause is no observation."""
+
+
+class OtherSituationError(FatplanError):
+    """A journal's shift was begun with another task, policy or version."""
+
+
+class JournalInUseError(FatplanError):
+    """A journal is being written by another program."""
+
+
+class DamagedJournalError(FatplanError):
+    """A journal is not what was written."""
+
+    exit_code = ExitCode.DAMAGED_STORE
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

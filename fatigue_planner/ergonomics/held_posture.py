@@ -1,11 +1,12 @@
 """Methods that judge, part by part, what of a posture is held or repeated: what they have in common."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from fatigue_planner.ergonomics.indicator import Indicator
 from fatigue_planner.ergonomics.operation import Job, Operation
@@ -48,6 +49,21 @@ class HeldPosture(Indicator):
     # The method's own words for the three levels.
     words: ClassVar[tuple[str, str, str]]
 
+    visible_deg: float = Field(
+        default=10,
+        gt=0,
+        lt=90,
+        description="From where on a twist, a side bend, an arm behind the body (ISO 11226: or across it) counts, in "
+        "degrees; the standards give no number, 10 is clearly visible.",
+    )
+    head_turned_deg: float = Field(
+        default=45,
+        gt=0,
+        lt=90,
+        description="From where on the head counts as turned against the chest, in degrees; ISO 11226 gives no number, "
+        "45 is that of EN 1005-4 (recalled).",
+    )
+
     @abstractmethod
     def judged(self, job: Job, stated: Sequence[Circumstances]) -> list[list[Judged]]:
         """Every rule on every operation, under circumstances in which all that matters is stated."""
@@ -72,7 +88,10 @@ class HeldPosture(Indicator):
             times_most=high.times,
             worst=low.worst,
             parts=low.parts,
-            remarks=self.remarks(),
+            remarks=(
+                *self.remarks(),
+                Phrase("The ways there and back are movements: what is held is held during the work, or all the time."),
+            ),
         )
 
     def _summed(self, job: Job, shoulder_raised: bool) -> Sum:
@@ -98,6 +117,18 @@ class HeldPosture(Indicator):
                     time_s = float(operation.posture.time_s[(first[longest] + last[longest]) // 2])
                     worst = Moment(operation.name, time_s, rule.side, rule.part)
         return Sum(Times(*seconds.tolist()), parts, worst)
+
+
+def holds(inside: NDArray[np.bool_], operation: Operation) -> Iterator[slice]:
+    """Where a posture is held: for more than 4 s without a break.
+
+    inside (n,): whether the posture is had. The ways there and back are movements and no part of a hold, unless the
+    posture is had all the time, so that it goes on from cycle to cycle.
+    """
+    still = inside if inside.all() else inside & working(operation)
+    for first, last in zip(*runs(still), strict=True):
+        if (last - first) * operation.posture.step_s > HELD_S:
+            yield slice(first, last)
 
 
 def working(operation: Operation) -> NDArray[np.bool_]:

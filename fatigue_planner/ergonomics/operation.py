@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import DataFileError
 from fatigue_planner.ergonomics.posture import PostureCourse
+from fatigue_planner.ergonomics.result import Phrase, Unknown
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
@@ -99,6 +100,13 @@ class Operation:
         return np.asarray(torque / np.where(torque >= 0, positive, negative))
 
 
+# What an unknown number of actions of the hand may be, per minute of the operation: slow, brisk, very fast (assumed).
+ACTIONS = (
+    (10.0, Phrase("with 10 actions a minute")), (30.0, Phrase("with 30 actions a minute")),
+    (60.0, Phrase("with 60 actions a minute")),
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Job:
     """The operations of one cycle, in any order, and the shift. Raises DataFileError if they take longer than it."""
@@ -125,6 +133,12 @@ class Job:
     def times_per_minute(self, operation: Operation) -> float:
         """How often an operation is done in a minute, as far as is stated; 0 if the length of the cycle is not."""
         return 60 * operation.stated.times_per_cycle / self.shift.cycle_s if self.shift.cycle_s else 0.0
+
+    def uncounted(self) -> list[Unknown]:
+        """The number of actions as an input that is unknown, if it is not stated of some operation: 0 is one effort."""
+        if all(operation.stated.actions_per_minute is not None for operation in self.operations):
+            return []
+        return [Unknown("actions_per_minute", 0.0, ACTIONS)]
 
     @property
     def cycle_s(self) -> float:

@@ -94,6 +94,13 @@ class Circumstances(Settings):
     )
 
 
+class Spell(Settings):
+    """A time of this work without a break, and the break after it."""
+
+    work_h: float = Field(gt=0, le=24, description="Time of this work without a break, in h.")
+    break_h: float = Field(default=0, ge=0, le=24, description="Break, or other light work, after that, in h.")
+
+
 class Shift(Settings):
     """What is stated of the shift. What is left out is unknown."""
 
@@ -111,4 +118,7 @@ class Shift(Settings):
     )
     break_h: float | None = Field(
         default=None, ge=0, le=12, description="Break, or other light work, after that, in h."
+    )
+    spells: tuple[Spell, ...] = Field(
+        default=(), max_length=100, description="All times of this work in their order, instead of spell_h and break_h."
     )

@@ -22,6 +22,7 @@ from fatigue_planner.pomdp.beliefs.registry import default_belief
 from fatigue_planner.pomdp.fatigue_pomdp import build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.scenario import Scenario, average_worker
+from fatigue_planner.pomdp.timing import Timing
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest
 
@@ -121,7 +122,11 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     if experiment.recognition_errs():
         observations, matrix = experiment.recognised()
     cost = experiment.cost.fatigue_cost()
-    model = build_pomdp(actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost)
+    parameters = fatigue_parameters(experiment.fatigue, maximum_torque(experiment.workers[worker].strength))
+    timing = Timing(experiment.cycle.duration_s, parameters.law.rest(parameters))
+    model = build_pomdp(
+        actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost, timing
+    )
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])

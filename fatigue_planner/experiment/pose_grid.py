@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -84,16 +84,22 @@ def _expand(name: str, action: Any, max_actions: int) -> list[tuple[str, Any]]:
     singles = []
     for indices in itertools.product(*counts):
         single = dict(action)
-        label = name
+        at = {}
         for (axis, hands), index in zip(axes.items(), indices, strict=True):
-            label += f"_{axis}{next(iter(hands.values()))[index]:g}".replace("-", "m")
+            at[axis] = next(iter(hands.values()))[index]
             for hand, values in hands.items():
                 goal = single[hand]
                 single[hand] = goal | {"position_m": goal["position_m"] | {axis: values[index]}}
+        label = point_name(name, at)
         if len(label) > MAX_NAME_LENGTH:
             raise GridError(f"{key}: its grid makes names as long as {shortened(label)}; choose a shorter name.")
         singles.append((label, single))
     return singles
+
+
+def point_name(grid: str, at: Mapping[str, float]) -> str:
+    """The name of a grid's point by its coordinates in m, m for minus: shelf_x0.4_z1.2."""
+    return grid + "".join(f"_{axis}{value:g}".replace("-", "m") for axis, value in at.items())
 
 
 def _ranges(action: Any) -> Iterator[tuple[str, str, dict[str, Any]]]:

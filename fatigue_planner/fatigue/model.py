@@ -123,6 +123,36 @@ class TickProfile(CycleProfile):
         return {name: np.asarray(value).tolist() for name, value in vars(self).items() if name != "flows"} | flows
 
 
+@dataclass(frozen=True)
+class Rest:
+    """What time without load does to fatigue under a law: df/dt = tiring - (slowing + recovering) f, each (78,) in 1/s.
+
+    tiring, slowing: F a and F b of the law without load; recovering: R c. See `Flows`.
+    """
+
+    tiring: Vector
+    slowing: Vector
+    recovering: Vector
+
+    def rates(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
+        """How fast fatigue fades and grows, (..., 78) in 1/s, with all rates multiplied by factors (...)."""
+        faster, sooner = (
+            np.asarray(factor, float)[..., None] for factor in (fatigue_rate_factor, recovery_rate_factor)
+        )
+        return faster * self.slowing + sooner * self.recovering, faster * self.tiring
+
+    def maps(
+        self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike, seconds: float
+    ) -> tuple[Matrix, Matrix]:
+        """Gains and offsets (..., 78) of a rest of `seconds`, with all rates multiplied by factors (...).
+
+        It is exact for any time, so a rest of a and one of b seconds are one of a + b.
+        """
+        fade, grow = self.rates(fatigue_rate_factor, recovery_rate_factor)
+        held = np.where(fade > 0, -np.expm1(-fade * seconds) / np.where(fade > 0, fade, 1.0), seconds)
+        return np.exp(-fade * seconds), grow * held
+
+
 @kernel
 def add_ticks(
     tiring: Matrix, slowing: Matrix, recovering: Matrix, F: Matrix, R: Matrix, time_step_s: float, fatigue: Matrix

@@ -19,6 +19,7 @@ from fatigue_planner.human.stance import stance_deg
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 
 Vector = NDArray[np.float64]
+Point = tuple[float, float, float]
 
 # A natural stance: soles flat to a hundredth of a millimetre, centre of mass 2 cm inside heel and toe.
 STANCE_TOLERANCE = 1e-5
@@ -101,18 +102,25 @@ class Human:
         return float(pin.computeTotalMass(self.model))
 
 
-def build_human(worker: Worker, right_hand_kg: float = 0.0, left_hand_kg: float = 0.0) -> Human:
-    """The digital human of a worker, with point masses in the fists.
+def build_human(
+    worker: Worker,
+    right_hand_kg: float = 0.0,
+    left_hand_kg: float = 0.0,
+    right_at_m: Point = (0.0, 0.0, 0.0),
+    left_at_m: Point = (0.0, 0.0, 0.0),
+) -> Human:
+    """The digital human of a worker, with point masses in the hands, at points from the fists' centres in their axes.
 
     Raises DataFileError if the natural posture names an unknown degree of freedom, leaves a range of
     motion or does not stand on flat soles.
     """
     body = worker.anthropometry()
     model = multibody(body)
-    for side, mass in (("right", right_hand_kg), ("left", left_hand_kg)):
+    for side, mass, at_m in (("right", right_hand_kg, right_at_m), ("left", left_hand_kg, left_at_m)):
         if mass > 0:
             grip = model.frames[model.getFrameId(f"{side}_grip")]
-            model.appendBodyToJoint(grip.parentJoint, pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))), grip.placement)
+            point = pin.Inertia(mass, np.array(at_m), np.zeros((3, 3)))
+            model.appendBodyToJoint(grip.parentJoint, point, grip.placement)
     heel, toe, half_breadth, _ = body.sole_rectangle()
     stance = stand(model, posture(worker.natural_posture_deg, "natural_posture_deg"))
     human = Human(model, body, stance, (toe - heel) / 2, half_breadth)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.human.joint_data import MaximumTorque
-from fatigue_planner.human.model import Human, Tool, Worker, build_human
+from fatigue_planner.human.model import Human, Tool, Worker
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action
@@ -59,7 +59,7 @@ class Body:
     def __init__(self, request: MotionRequest, run: Run, other_way: frozenset[Side] = frozenset()) -> None:
         self.request, settings = request, request.controller
         weights, stiffness = settings.weights, settings.stiffness_per_s2
-        self.human: Human = build_human(request.worker, run.right_kg, run.left_kg)
+        self.human: Human = run.human(request.worker)
         self.state = state = BodyState(self.human)
         state.update(self.human.stance, np.zeros(self.human.model.nv))
         self.hand_frames = {side: state.frame(f"{side}_grip") for side in SIDES}

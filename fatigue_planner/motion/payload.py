@@ -14,12 +14,35 @@ from fatigue_planner.motion.settings import PHASES, PhaseName, Side
 Vector = NDArray[np.float64]
 
 
+class FromFist(Settings):
+    """A point from the centre of a fist, in the hand's axes: those of the hanging arm, which turn with the hand."""
+
+    x: float = Field(default=0, ge=-1, le=1, description="Distance in m from the fist's centre towards the thumb.")
+    y: float = Field(
+        default=0,
+        ge=-1,
+        le=1,
+        description="Distance in m from the fist's centre to the left of the hanging arm: out of the right palm.",
+    )
+    z: float = Field(
+        default=0, ge=-1, le=1, description="Distance in m from the fist's centre along the hand, towards the wrist."
+    )
+
+    def vector(self) -> Vector:
+        """The point as (3,) m."""
+        return np.array([self.x, self.y, self.z])
+
+
 class CarriedMass(Settings):
-    """A point mass at the centre of a fist during some phases."""
+    """A point mass in a hand during some phases, at the centre of the fist or away from it."""
 
     kind: Literal["mass"] = Field(description="A mass that the hand carries.")
     hand: Side = Field(description="The hand that carries the mass.")
-    mass_kg: float = Field(gt=0, le=50, description="Mass in kg, a point at the centre of the fist.")
+    mass_kg: float = Field(gt=0, le=50, description="Mass in kg, a point.")
+    centre_of_mass_m: FromFist = Field(
+        default=FromFist(),
+        description="Where the point is, in m from the fist's centre in the hand's axes. Default: there.",
+    )
     during: tuple[PhaseName, ...] = Field(
         default=PHASES, min_length=1, description="Phases in which the mass is carried."
     )

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.human.model import Tool
+from fatigue_planner.human.model import Human, Point, Tool, Worker, build_human
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.action import Action, HandGoal
 from fatigue_planner.motion.minimum_jerk import Pose, Reach, Trajectory, minimum_jerk
@@ -24,12 +24,18 @@ ROUNDING = 1e-6
 
 
 class Run(NamedTuple):
-    """Ticks [start, stop) with the same masses in the right and left fist."""
+    """Ticks [start, stop) with the same masses in the right and left hand, each at a point from the fist's centre."""
 
     start: int
     stop: int
     right_kg: float
     left_kg: float
+    right_at_m: Point = (0.0, 0.0, 0.0)
+    left_at_m: Point = (0.0, 0.0, 0.0)
+
+    def human(self, worker: Worker) -> Human:
+        """The worker with these masses."""
+        return build_human(worker, *self[2:])
 
 
 def phases_of(cycle: Cycle, time_step_s: float) -> tuple[Phase, ...]:
@@ -40,21 +46,29 @@ def phases_of(cycle: Cycle, time_step_s: float) -> tuple[Phase, ...]:
 
 
 def runs_of(tool: Tool, action: Action, phases: tuple[Phase, ...]) -> tuple[Run, ...]:
-    """The cycle in runs of constant masses."""
+    """The cycle in runs of constant masses; several in a hand are one at their centre."""
     masses = [load for load in action.loads if isinstance(load, CarriedMass)]
     if tool.mass_kg > 0:
         during: tuple[PhaseName, ...] = PHASES if tool.held == "cycle" else ("work",)
         masses.append(CarriedMass(kind="mass", hand=tool_hand(tool, action), mass_kg=tool.mass_kg, during=during))
     runs: list[Run] = []
     for phase in phases:
-        right, left = (
-            sum((m.mass_kg for m in masses if m.hand == side and phase.name in m.during), 0.0) for side in SIDES
-        )
-        if runs and runs[-1][2:] == (right, left):
+        held = [[m for m in masses if m.hand == side and phase.name in m.during] for side in SIDES]
+        (right_kg, right_at), (left_kg, left_at) = map(_together, held)
+        run = Run(phase.start, phase.stop, right_kg, left_kg, right_at, left_at)
+        if runs and runs[-1][2:] == run[2:]:
             runs[-1] = runs[-1]._replace(stop=phase.stop)
         else:
-            runs.append(Run(phase.start, phase.stop, right, left))
+            runs.append(run)
     return tuple(runs)
+
+
+def _together(held: list[CarriedMass]) -> tuple[float, Point]:
+    """The mass of all that a hand holds, and its centre."""
+    mass_kg = sum((each.mass_kg for each in held), 0.0)
+    moment = sum((each.mass_kg * each.centre_of_mass_m.vector() for each in held), np.zeros(3))
+    x, y, z = (moment / mass_kg).tolist() if mass_kg > 0 else (0.0, 0.0, 0.0)
+    return mass_kg, (x, y, z)
 
 
 def tool_hand(tool: Tool, action: Action) -> Side:

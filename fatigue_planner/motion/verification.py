@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from fatigue_planner.human.model import Human, build_human
+from fatigue_planner.human.model import Human
 from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.body import MotionRequest
@@ -49,7 +49,7 @@ def measure(request: MotionRequest, motion: Motion) -> Quality:
     """
     check_shape(request, motion)
     runs = runs_of(request.tool, request.action, motion.phases)
-    bodies = [build_human(request.worker, run.right_kg, run.left_kg) for run in runs]
+    bodies = [run.human(request.worker) for run in runs]
     # where a mass is taken up or put down, the body changes and a new run begins
     replays = [replay(body, motion, range(run.start, run.stop)) for body, run in zip(bodies, runs, strict=True)]
     hand_poses = [both for run in replays for both in run.hand_poses]

@@ -5,7 +5,7 @@ index of the worker it belongs to. Where the worker is known there is only one, 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -20,6 +20,7 @@ from fatigue_planner.pomdp.cost import CostArrays, FatigueCost, cost_after, cost
 from fatigue_planner.pomdp.cyclic_plans import MeanMaps, PlanValues, best_plan_value, mean_maps, plan_values
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp, draw
 from fatigue_planner.pomdp.simd import LANES, aligned, move
+from fatigue_planner.pomdp.timing import Pace, Timing, checked_seconds
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
@@ -160,6 +161,25 @@ def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabili
 FATIGUE = Dynamics(preference_probabilities, react, recognition, react_to_costs, expected_reward, best_plan_value)
 
 
+class PacedArrays(NamedTuple):
+    """The arrays of the cycles as planned, by which the worker chooses, and as lived through (see `timing`)."""
+
+    planned: FatigueArrays
+    lived: FatigueArrays
+
+
+@inlined
+def choose_as_planned(arrays: PacedArrays, state: Vector, action: int, probabilities: Vector) -> None:
+    """`preference_probabilities` by the planned cycles."""
+    preference_probabilities(arrays.planned, state, action, probabilities)
+
+
+@inlined
+def react_as_lived(arrays: PacedArrays, state: Vector, action: int, preference: int) -> float:
+    """`react` in the time it really took."""
+    return react(arrays.lived, state, action, preference)
+
+
 class Workers(NamedTuple):
     """Possible workers, each (M,): factors on all rates k and R of Eq. 2, and beta of Eq. 4."""
 
@@ -181,7 +201,8 @@ def one_worker(expertise: float) -> Workers:
 class FatiguePomdp(Pomdp):
     """The POMDP of a task.
 
-    active_entries: which of the `entries` entries its states hold; profiles (A, U): its cycles; cost: what it costs.
+    active_entries: which of the `entries` entries its states hold; profiles (A, U): its cycles; cost: what it costs;
+    timing: how long they take, and what rest does; None: not known.
     """
 
     active_entries: NDArray[np.intp]
@@ -189,6 +210,7 @@ class FatiguePomdp(Pomdp):
     profiles: tuple[tuple[CycleProfile, ...], ...]
     workers: Workers
     cost: FatigueCost
+    timing: Timing | None = field(default=None, kw_only=True)
 
     is_trusted: ClassVar[bool] = True
 
@@ -210,11 +232,11 @@ class FatiguePomdp(Pomdp):
         fatigue[self.active_entries] = state[: self.active_entries.size]
         return fatigue
 
-    def for_workers(self, workers: Workers) -> "FatiguePomdp":
-        """The same task for other workers."""
+    def for_workers(self, workers: Workers, share: float = 1.0) -> "FatiguePomdp":
+        """The same task for other workers, whose cycles take a share of the planned duration (see `timing`)."""
+        faster, sooner = share * workers.fatigue_rate_factor, share * workers.recovery_rate_factor
         rows = [
-            [profile.maps(workers.fatigue_rate_factor, workers.recovery_rate_factor) for profile in row]
-            for row in self.profiles
+            [profile.maps(faster, sooner) for profile in row] for row in self.profiles
         ]  # A x U x (gain, offset), each (M, entries)
         gain, offset = np.moveaxis(np.array(rows), 2, 0)
         return self.with_maps(np.moveaxis(gain, 2, 0), np.moveaxis(offset, 2, 0), workers)
@@ -224,6 +246,39 @@ class FatiguePomdp(Pomdp):
         """See Pomdp.parts; novices' choices are drawn without computing costs."""
         parts = self.dynamics.parts(len(self.observations))
         return parts | {"step": react_to_anything} if self.arrays.even else parts
+
+    @cached_property
+    def evidence_parts(self) -> dict[str, Any]:
+        """See Pomdp.evidence_parts."""
+        return super().evidence_parts | {"outcome_probabilities": choose_as_planned, "advance": react_as_lived}
+
+    def evidence_arrays(self, share: float) -> PacedArrays:
+        """See Pomdp.evidence_arrays."""
+        lived = self.arrays if share == 1 else self.for_workers(self.workers, share).arrays
+        return PacedArrays(self.arrays, lived)
+
+    def pace(self, duration_s: float | None) -> Pace:
+        """See Pomdp.pace."""
+        return super().pace(duration_s) if duration_s is None or self.timing is None else self.timing.pace(duration_s)
+
+    def rested(self, states: Array, seconds: float) -> Array:
+        """See Pomdp.rested: every state by its own worker's rates."""
+        if self.timing is None:
+            return super().rested(states, seconds)
+        used, worker = np.unique(states[:, -1].astype(np.intp), return_inverse=True)
+        own = self.workers.pick(used)
+        maps = self.timing.rest.maps(own.fatigue_rate_factor, own.recovery_rate_factor, checked_seconds(seconds))
+        gain, offset = (table[:, self.active_entries][worker] for table in maps)
+        after, active = states.copy(), self.active_entries.size
+        after[:, :active] = gain * states[:, :active] + offset
+        return after
+
+    def rest_rates(self) -> tuple[Array, Array]:
+        """How fast the fatigue of every worker fades and grows at rest, as in states, each (M, W) in 1/s."""
+        assert self.timing is not None
+        rates = self.timing.rest.rates(self.workers.fatigue_rate_factor, self.workers.recovery_rate_factor)
+        fade, grow = map(self._rows, rates)
+        return fade, grow
 
     @cached_property
     def bound_arrays(self) -> PlanValues:
@@ -249,7 +304,7 @@ class FatiguePomdp(Pomdp):
             offset=aligned(np.hstack([arrays.offset, np.zeros_like(arrays.offset)])),
             cost=cost._replace(weight=np.concatenate([cost.weight, cost.weight])),
         )
-        return replace(self, arrays=twice)
+        return replace(self, arrays=twice, timing=None)
 
     @property
     def posture_cost(self) -> Array:
@@ -292,12 +347,14 @@ def build_pomdp(
     recognition_matrix: Array | None = None,
     observations: Sequence[str] | None = None,
     cost: FatigueCost | None = None,
+    timing: Timing | None = None,
 ) -> FatiguePomdp:
     """The POMDP of the reactions `profiles[action, preference]`.
 
     `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
     entries are active; all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
-    default the preference is always recognised. `cost`: by default the paper's.
+    default the preference is always recognised. `cost`: by default the paper's. Without `timing`, nothing is known of
+    rest and of cycles that take another time than planned.
     """
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
     ever = (initial_fatigue != 0).any(axis=0)
@@ -323,6 +380,7 @@ def build_pomdp(
         profiles=table,
         workers=workers,
         cost=cost or mean_square(ever.size),
+        timing=timing,
     )
     return blank.for_workers(workers)
 

@@ -210,6 +210,12 @@ def legal_until_the_end(arrays: Any, state: Vector, action: int) -> bool:
 
 
 @inlined_for_any_problem
+def likelihood_of_outcome(_arrays: Any, _state: Vector, _action: int, outcome: int, likelihood: Vector) -> float:
+    """Stands for the probability of an observation where the evidence is a likelihood of every outcome (K,)."""
+    return float(likelihood[outcome])
+
+
+@inlined_for_any_problem
 def not_asked(_arrays: Any, _state: Vector, _action: int, _outcome: int, _observation: int) -> float:
     """Stands for the probability of an observation where observations are continuous, and none is asked for."""
     return 1.0

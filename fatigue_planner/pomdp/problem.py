@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.core.jit import inlined, specialised
@@ -26,6 +26,7 @@ from fatigue_planner.pomdp.parts import (
     outcome_probabilities,
     step,
 )
+from fatigue_planner.pomdp.timing import AS_PLANNED, Pace
 from fatigue_planner.pomdp.told import InTheUsersTerms, check_arrays, no_number
 
 __all__ = [
@@ -40,6 +41,8 @@ Observation = int | Vector
 
 # Probabilities must sum to 1 within this.
 ROUNDING = 1e-9
+# Likelihoods are scaled if the largest is as small as this, or as large as its inverse.
+SMALL = 1e-100
 # How many states of a belief are checked before a search: enough to find a wrong formula.
 MAX_CHECKED = 20
 
@@ -87,16 +90,62 @@ class Pomdp:
     @cached_property
     def belief_parts(self) -> dict[str, Any]:
         """Those that the update of a belief calls: a belief holds no state in which the task has ended."""
-        names = ("outcome_probabilities", "advance", "observation_probability")
-        chosen = {name: self.parts[name] for name in names}
+        return self._for_beliefs(self.dynamics.observation_probability)
+
+    @cached_property
+    def evidence_parts(self) -> dict[str, Any]:
+        """The same where the evidence is no observation, but a likelihood of every outcome (see `Belief.weigh`)."""
+        return self._for_beliefs(parts.likelihood_of_outcome)
+
+    def _for_beliefs(self, observation_probability: Callable[..., Any]) -> dict[str, Any]:
+        names = ("outcome_probabilities", "advance")
+        chosen = {name: self.parts[name] for name in names} | {"observation_probability": observation_probability}
         if self.dynamics.is_terminal is not None:
             chosen["observation_probability"] = specialised(
                 parts.likelihood_of_going_on,
                 inlined,
                 is_terminal=self.dynamics.is_terminal,
-                observation_probability=self.dynamics.observation_probability,
+                observation_probability=observation_probability,
             )
         return chosen
+
+    def evidence_arrays(self, share: float) -> Any:
+        """What `evidence_parts` read for a cycle whose reaction took a share of the planned time (see `pace`)."""
+        assert share == 1
+        return self.arrays
+
+    def pace(self, duration_s: float | None) -> Pace:
+        """How a cycle of some duration went; None: as planned. Raises ProblemError if its cycles have no duration."""
+        if duration_s is None:
+            return AS_PLANNED
+        raise ProblemError("duration_s: the problem does not say how long its cycles take.")
+
+    def rested(self, states: Array, seconds: float) -> Array:
+        """The states (n, L) after a rest. Raises ProblemError if the problem does not say what rest does."""
+        raise ProblemError(f"rest of {seconds!r} s: the problem does not say what rest does to its states.")
+
+    def check_likelihood(self, action: int, likelihood: ArrayLike) -> Vector:
+        """The likelihood of every outcome (K,) as numbers of a size that can be multiplied; equal ones are 1.
+
+        Raises IndexError for an action the problem does not have, ProblemError for what is no likelihood.
+        """
+        self.check(action)
+        try:
+            given = np.array(likelihood, float)
+        except (TypeError, ValueError):
+            raise ProblemError(f"likelihood: {likelihood!r} are no numbers.") from None
+        if given.shape != (len(self.outcomes),):
+            raise ProblemError(
+                f"likelihood: has shape {given.shape}; give one number for each of {', '.join(self.outcomes)}."
+            )
+        if not (np.isfinite(given) & (given >= 0)).all() or not given.any():
+            raise ProblemError(
+                f"likelihood: {given.tolist()}; give finite numbers that are not negative, one of them positive."
+            )
+        largest = float(given.max())
+        if (given == largest).all():
+            return np.ones(given.size)
+        return given if SMALL < largest < 1 / SMALL else given / largest
 
     @cached_property
     def bound_arrays(self) -> Any:

@@ -14,6 +14,7 @@ from fatigue_planner.station.judging import judge
 from fatigue_planner.station.population_reach import reach_shares
 from fatigue_planner.station.rotation import best_rotation
 from fatigue_planner.station.schema import Station
+from fatigue_planner.station.sensing import sensing_of
 from fatigue_planner.station.statements import assumptions_of, headline_of
 from fatigue_planner.station.workers import facts_of
 
@@ -25,12 +26,14 @@ def assess(
     command: str,
     progress: Callable[[Simulated], None] = lambda _: None,
     with_changes: bool = False,
+    asked: Callable[[], None] = lambda: None,
 ) -> StationAssessment:
     """Everything that is to be said of a station.
 
     Motions are found in the cache or simulated. command: what makes them, for messages; with_changes: also what single
-    changes of the station would do. Raises OutputFolderError if the cache cannot be written, DamagedFileError if what
-    was written is damaged.
+    changes of the station would do; asked: hears of every place and sex of the population that is done.
+
+    Raises OutputFolderError if the cache cannot be written, DamagedFileError if what was written is damaged.
     """
     changed = changed_stations(station) if with_changes else []
     found, *others = examine([station, *(each for _, each in changed)], cache, executor, command, progress)
@@ -44,9 +47,10 @@ def assess(
         summaries=tuple(found.summaries),
         best=found.best,
         cycles=cycles,
-        shares=tuple(reach_shares(station, executor)),
+        shares=tuple(reach_shares(station, executor, asked)),
         changes=changes_of([phrase for phrase, _ in changed], found, others),
         rotation=best_rotation(found, cache, command),
+        sensing=sensing_of(found, cache, command),
         headline=headline_of(station, found.places, found.summaries, found.best, cycles),
         assumptions=assumptions_of(station),
         station_digest=digest_of(station.plain()),

@@ -186,8 +186,9 @@ class ReachShare:
     """Who of a population reaches a place, with a motion that a person would make, and is strong enough for it.
 
     shortest_m, tallest_m  the statures between which it is reached; None where none that was tried does
-    share        of the women or men of the population, and what it is with arms 3 cm shorter or longer
-    strong_share those with the strength for it, at the stature of the median
+    share        of the women or men of the population, and what it is with arms 3 cm shorter or longer; with empty
+        hands where the median strength cannot bear the load
+    strong_share those with the strength for it, at the stature of the median; `weakest_joint` is empty where nobody is
     """
 
     operation: str
@@ -236,6 +237,22 @@ class Rotation:
 
 
 @dataclass(frozen=True)
+class Sensing:
+    """What of the best schedule's cost of fatigue a robot saves that sees how the worker works, as the mean over all
+    workers, with its 95 % interval (paired, common random numbers).
+
+    most         what no plan can save more than, whatever it sees and computes: the proven bound of the cost
+    certain      no worker has more than one way to work, so that there is nothing to see
+    """
+
+    saving: float
+    low: float
+    high: float
+    most: float
+    certain: bool
+
+
+@dataclass(frozen=True)
 class StationAssessment:
     """Everything that is found out about a station.
 
@@ -254,6 +271,7 @@ class StationAssessment:
     shares: tuple[ReachShare, ...]
     changes: tuple[Change, ...]
     rotation: Rotation | None
+    sensing: Sensing | None
     headline: tuple[Phrase, ...]
     assumptions: tuple[Phrase, ...]
     station_digest: str

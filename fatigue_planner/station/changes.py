@@ -20,7 +20,7 @@ LOWER = "{place} 10 cm lower"
 HIGHER = "{place} 10 cm higher"
 OTHER_HAND = "{operation} with the other hand"
 
-OTHER: dict[Hands, Hands] = {"right": "left", "left": "right"}
+OTHER: dict[Hands, Hands] = {"right": "left", "left": "right", "either": "other", "other": "either"}
 
 
 def changed_stations(station: Station) -> list[tuple[Phrase, Station]]:
@@ -73,6 +73,8 @@ def _moved(station: Station) -> Iterator[tuple[Phrase, Station]]:
     used = dict.fromkeys(place for each in station.operations.values() for place in each.places)
     for name in used:
         at = station.places[name]
+        if at.map is not None:  # its neighbours on the map say it already
+            continue
         ahead_m = math.hypot(at.x, at.y) if station.feet == "free" else at.x
         if ahead_m - STEP_M >= LEAST_M:
             part = 1 - STEP_M / ahead_m
@@ -89,9 +91,10 @@ def _with(station: Station, name: str, at: Place, **moved: float) -> Station:
 
 
 def _other_hand(station: Station) -> Iterator[tuple[Phrase, Station]]:
-    """The hand that an operation names is the other one; where it is the better one, nobody would use the other."""
+    """The hand that works is the other one; where a worker faces the place, that of either is its mirror image."""
     for name, operation in station.operations.items():
-        if other := OTHER.get(operation.hand):
+        mirror = station.feet == "free" and operation.hand in ("either", "other")
+        if (other := OTHER.get(operation.hand)) and not mirror:
             changed = operation.model_copy(update={"hand": other})
             new = station.model_copy(update={"operations": {**station.operations, name: changed}})
             yield Phrase(OTHER_HAND, {"operation": name}), new

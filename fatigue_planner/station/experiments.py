@@ -16,7 +16,7 @@ from fatigue_planner.experiment.defaults import usual_preferences
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.model import Worker
 from fatigue_planner.motion.action import Action, HandGoal, Orientation, Position
-from fatigue_planner.motion.payload import CarriedMass, HandForce, Load, TimedForce
+from fatigue_planner.motion.payload import CarriedMass, FromFist, HandForce, Load, TimedForce
 from fatigue_planner.motion.settings import Accuracy, Controller, Cycle, Side, Stiffnesses
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.tasks.segment_upright import SegmentUpright
@@ -29,8 +29,9 @@ SIDES: tuple[Side, ...] = ("right", "left")
 # Half the ticks of an experiment, with the gain of the hand that they allow; what it changes: docs/deviations.md.
 TIME_STEP_S = 0.02
 CONTROLLER = Controller(time_step_s=TIME_STEP_S, stiffness_per_s2=Stiffnesses(hand=1000.0))
-# Nobody places a hand to the centimetre, and a sole that slides by 5 mm changes nothing that is judged.
-ACCURACY = Accuracy(hand_error_m=0.02, foot_displacement_m=0.005)
+# Nobody places a hand to the centimetre, a sole that slides by 5 mm changes nothing that is judged, and the balance of
+# power is of first order: twice the step, twice the error.
+ACCURACY = Accuracy(hand_error_m=0.02, foot_displacement_m=0.005, energy_error_share=0.02)
 # Over which a force on the hand comes and goes, in s.
 RISE_S = 0.1
 
@@ -68,6 +69,8 @@ def hands_of(station: Station, operation: StationOperation, worker: str) -> tupl
             return SIDES
         case "either":
             return (station.workers[worker].handedness,)
+        case "other":
+            return ("left",) if station.workers[worker].handedness == "right" else ("right",)
         case side:
             return (side,)
 
@@ -100,9 +103,9 @@ def action_of(station: Station, operation: StationOperation, place: str, hands: 
     """What the hands do at a place: where they are held, and what they bear.
 
     Shoes raise the worker, so places are lower by their soles. A worker whose feet are free faces the place; who then
-    works with the left hand because it is the better one does so in the mirror.
+    works with the left hand because it is the better one, or because it is not, does so in the mirror.
     """
-    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand == "either")
+    view = View.of(station, place, mirrored=hands == ("left",) and operation.hand in ("either", "other"))
     at, apart = station.places[place], operation.grip_width_m / 2 if len(hands) > 1 else 0.0
     goals = {f"{side}_hand": _goal(station, at, view, apart if side == "left" else -apart) for side in hands}
     named = at.tool or operation.tool
@@ -152,7 +155,9 @@ def _loads(
     end, rise = begin + operation.seconds, min(RISE_S, operation.seconds / 4)
     for side in hands:
         if tool.mass_kg > 0:
-            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share))
+            x, y, z = tool.centre_of_mass_m.vector().tolist()
+            at = FromFist(x=x, y=y if side == "right" else -y, z=z)
+            found.append(CarriedMass(kind="mass", hand=side, mass_kg=tool.mass_kg * share, centre_of_mass_m=at))
         if tool.force_n is not None:
             whole = np.array([tool.force_n.x, tool.force_n.y, tool.force_n.z])
             force = share * replace(view, mirrored=False).vector(whole)  # the work pushes no other way for anybody

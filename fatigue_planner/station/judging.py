@@ -8,7 +8,7 @@ from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Level
-from fatigue_planner.ergonomics.stated import Circumstances, Shift
+from fatigue_planner.ergonomics.stated import Circumstances, Shift, Spell
 from fatigue_planner.fatigue.load import cycle_profile
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.fatigue.parameters import FatigueParameters, FatigueSettings, fatigue_parameters
@@ -144,20 +144,20 @@ def stated(station: Station, operation: str) -> Circumstances:
 
 
 def shift_of(station: Station) -> Shift:
-    """The shift, for the indicators: hours at work, the longest spell between breaks, and the break after it."""
+    """The shift, for the indicators: hours at work, and every time of work with the break after it."""
     shift = station.shift
     if shift is None:
         return Shift(cycle_s=station.cycle.duration_s)
-    pauses = sum(each.minutes for each in shift.breaks) / MINUTES_PER_HOUR
     begin, spells = 0.0, []
-    for each in shift.breaks:
-        spells.append((each.at_min - begin, each.minutes))
-        begin = each.at_min + each.minutes
-    spells.append((MINUTES_PER_HOUR * shift.hours - begin, 0.0))
-    longest, rest = max(spells)
-    return Shift(
-        cycle_s=station.cycle.duration_s,
-        hours=shift.hours - pauses,
-        spell_h=longest / MINUTES_PER_HOUR if longest > 0 else None,
-        break_h=rest / MINUTES_PER_HOUR,
-    )
+    for at_min, minutes in [
+        *((each.at_min, each.minutes) for each in shift.breaks),
+        (MINUTES_PER_HOUR * shift.hours, 0),
+    ]:
+        if at_min > begin:
+            work_h, break_h = (at_min - begin) / MINUTES_PER_HOUR, minutes / MINUTES_PER_HOUR
+            spells.append(Spell(work_h=work_h, break_h=break_h))
+        elif spells:  # a break right after another one
+            spells[-1] = Spell(work_h=spells[-1].work_h, break_h=spells[-1].break_h + minutes / MINUTES_PER_HOUR)
+        begin = at_min + minutes
+    hours = sum(spell.work_h for spell in spells)
+    return Shift(cycle_s=station.cycle.duration_s, hours=hours, spells=tuple(spells))

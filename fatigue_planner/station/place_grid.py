@@ -6,7 +6,7 @@ from typing import Any
 
 from fatigue_planner.core.settings import MAX_NAME_LENGTH
 from fatigue_planner.experiment.error_messages import dotted
-from fatigue_planner.experiment.pose_grid import AXES, GridError, range_of
+from fatigue_planner.experiment.pose_grid import AXES, GridError, point_name, range_of
 
 # As many as an operation can choose between.
 MAX_POINTS = 100
@@ -16,20 +16,24 @@ def expand_place_grids(content: Mapping[str, Any]) -> tuple[dict[str, Any], list
     """The content of a station file with every grid of places written out, and what is wrong with grids.
 
     Where coordinates of a place are ranges {from, to, count}, it becomes one place per point, named after it:
-    rack_x0.4_z1.2 (m for minus); operations that name the grid choose between all of them. A faulty grid is left as it
-    is.
+    rack_x0.4_z1.2 (m for minus), on the map of its name; operations that name the grid choose between all of them. A
+    faulty grid is left as it is.
     """
     places = content.get("places")
     if not isinstance(places, dict):
         return dict(content), []
     grids: dict[str, dict[str, Any]] = {}
     faults: list[str] = []
+    taken = set(places)
     for name, place in places.items():
         ranges = {axis: place[axis] for axis in AXES if isinstance(place, dict) and isinstance(place.get(axis), dict)}
         if ranges:
             found = list(_points(name, place, ranges, faults))
-            if found:
+            if met := next((label for label, _ in found if label in taken), None):
+                faults.append(f"{dotted(['places', name])}: its grid makes {met}, a name that another place has.")
+            elif found:
                 grids[name] = dict(found)
+                taken |= grids[name].keys()
     written = {key: value for name, place in places.items() for key, value in grids.get(name, {name: place}).items()}
     return {**content, "places": written, **_operations(content.get("operations"), grids)}, faults
 
@@ -55,8 +59,8 @@ def _points(
         )
         return
     for point in points:
-        label = name + "".join(f"_{axis}{value:g}" for axis, value in zip(values, point, strict=True))
-        yield label.replace("-", "m"), {**place, **dict(zip(values, point, strict=True))}
+        at = dict(zip(values, point, strict=True))
+        yield point_name(name, at), {"map": name, **place, **at}
 
 
 def _operations(operations: Any, grids: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Who of a population reaches a place, and who is strong enough for it: found by trying statures."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
@@ -15,7 +15,7 @@ from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import Worker
 from fatigue_planner.human.population import People, median_mass_kg, percentile_of, stature_m
-from fatigue_planner.human.strength_sets import Direction, strength_spread
+from fatigue_planner.human.strength_sets import Direction, at_percentile, strength_spread
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.settings import Accuracy, Side
@@ -48,6 +48,11 @@ class Question:
     sex: Sex
 
     @property
+    def is_loaded(self) -> bool:
+        """Whether there is something in the hands."""
+        return self.station.tool_at(self.operation, self.place) is not None
+
+    @property
     def people(self) -> People | None:
         """The people of the station's own population; None for ANSUR's."""
         return self.station.population.people(self.sex) if self.station.population else None
@@ -62,15 +67,21 @@ def questions(station: Station) -> Iterator[Question]:
                     yield Question(station, operation, place, sex)
 
 
-def reach_shares(station: Station, executor: Executor) -> list[ReachShare]:
-    """Who reaches every place of every operation."""
-    asked = list(questions(station))
-    found = {index: share for index, share in executor.run(answered, asked) if not isinstance(share, Lost)}
+def reach_shares(station: Station, executor: Executor, progress: Callable[[], None] = lambda: None) -> list[ReachShare]:
+    """Who reaches every place of every operation; `progress` hears of every question that is answered."""
+    found = {}
+    for index, share in executor.run(answered, list(questions(station))):
+        progress()
+        if not isinstance(share, Lost):
+            found[index] = share
     return [found[index] for index in sorted(found)]
 
 
 def answered(question: Question) -> ReachShare:
-    """Try statures of the median mass and strength, in every way, until the shortest and the tallest are found."""
+    """Try statures of the median mass and strength, in every way, until the shortest and the tallest are found.
+
+    Where none of them can bear the load, reach is that of empty hands: what is missing is strength.
+    """
     people, sex = question.people, question.sex
     known: dict[float, Motion | None] = {}
 
@@ -82,7 +93,15 @@ def answered(question: Question) -> ReachShare:
     def stature(percentile: float) -> float:
         return float(np.clip(stature_m(percentile, sex, people), *STATURES_M))
 
-    first = next((stature(percentile) for percentile in PERCENTILES if reaches(stature(percentile))), None)
+    tried = [stature(percentile) for percentile in PERCENTILES]
+    if question.is_loaded and not reaches(tried[0]):
+        # a load that is too heavy takes long to fail: empty hands say first which stature can get there at all
+        bare = replace(question, station=emptied(question.station))
+        there = next((each for each in tried if _reaching(bare, each)), None)
+        if there is not None and not reaches(there):
+            return _without_the_load(question, bare, there)
+        tried = [] if there is None else [there]
+    first = next(filter(reaches, tried), None)
     if first is None:
         return ReachShare(question.operation, question.place, sex, None, None, 0.0, 0.0, 0.0, None, "")
     shortest = _edge(first, stature(LOWEST), reaches)
@@ -94,6 +113,24 @@ def answered(question: Question) -> ReachShare:
     return ReachShare(
         question.operation, question.place, sex, shortest, tallest, shares[0], min(shares), max(shares), strong, joint
     )
+
+
+def _without_the_load(question: Question, bare: Question, stature: float) -> ReachShare:
+    """What of a load that the median strength cannot bear: who reaches the place without it, and who is so strong.
+
+    A worker of the highest strength that is looked at shows what the work asks of each joint; if even that is too
+    little, nobody is strong enough.
+    """
+    motion = _reaching(question, stature, HIGHEST)
+    strong, joint = (0.0, "") if motion is None else strong_share(motion, _worker(question, stature))
+    return replace(answered(bare), strong_share=strong, weakest_joint=joint)
+
+
+def emptied(station: Station) -> Station:
+    """The station with nothing in the hands."""
+    places = {name: each.model_copy(update={"tool": None}) for name, each in station.places.items()}
+    operations = {name: each.model_copy(update={"tool": None}) for name, each in station.operations.items()}
+    return station.model_copy(update={"places": places, "operations": operations})
 
 
 def _edge(inside: float, end: float, reaches: Callable[[float], bool]) -> float:
@@ -118,23 +155,24 @@ def _share(question: Question, shortest: float, tallest: float, longer_m: float)
     return max(above - below, 0.0) / 100
 
 
-def _worker(question: Question, stature: float) -> Worker:
+def _worker(question: Question, stature: float, strength_percentile: float = 50.0) -> Worker:
     mass = float(np.clip(median_mass_kg(stature, question.sex, question.people), 40, 150))
-    return Worker(human="natural", height_m=stature, mass_kg=mass, sex=question.sex)
+    usual = Worker(human="natural", height_m=stature, mass_kg=mass, sex=question.sex)
+    return usual.model_copy(update={"strength": at_percentile(usual.strength, strength_percentile)})
 
 
-def _reaching(question: Question, stature: float) -> Motion | None:
+def _reaching(question: Question, stature: float, strength_percentile: float = 50.0) -> Motion | None:
     """A motion in which a worker of this stature holds the hand at the place as a person would, in any way."""
     operation = question.station.operations[question.operation]
-    if operation.hand == "either":
-        operation = operation.model_copy(update={"hand": "right"})
+    if operation.hand in ("either", "other"):  # as most people, the better hand is the right one
+        operation = operation.model_copy(update={"hand": "right" if operation.hand == "either" else "left"})
     hands: tuple[Side, ...] = (
         SIDES if operation.hand == "both" else ("left",) if operation.hand == "left" else ("right",)
     )
     short = operation.model_copy(update={"places": (question.place,), "seconds": HOLD_S})
     station = question.station.model_copy(update={"operations": {question.operation: short}})
     part = Part(station, question.operation, hands, ("anybody",))
-    for request in reaction_requests(experiment_of(part, {"anybody": _worker(question, stature)})):
+    for request in reaction_requests(experiment_of(part, {"anybody": _worker(question, stature, strength_percentile)})):
         motion = _tried(request.motion, request.accuracy)
         if motion is not None:
             return motion

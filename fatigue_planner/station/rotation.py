@@ -11,6 +11,7 @@ from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assessment import Rotation
 from fatigue_planner.station.examine import Examined
 from fatigue_planner.station.judging import profile
+from fatigue_planner.station.recommendation import Places
 
 # A sequence has no more lines than people keep in mind; of many combinations of places, the best are considered.
 LONGEST, MOST = 6, 8
@@ -21,7 +22,7 @@ WAY = "best"
 
 def best_rotation(found: Examined, cache: ReactionCache, command: str) -> Rotation | None:
     """The best sequence of combinations of places, each of which is allowed; None where there is no choice of them."""
-    combinations = [dict(zip(found.station.operations, each.places, strict=True)) for each in found.ranking[:MOST]]
+    combinations = [dict(zip(found.station.operations, each, strict=True)) for each in combinations_of(found)]
     if len(combinations) < 2:
         return None
     names = [str(index) for index in range(len(combinations))]
@@ -40,3 +41,8 @@ def best_rotation(found: Examined, cache: ReactionCache, command: str) -> Rotati
     fixed = float(mean.costs(np.arange(len(names))[:, None]).min())
     saving = 1 - schedule.cost / fixed if fixed > 0 else 0.0
     return Rotation(tuple(combinations[index] for index in schedule.actions), max(saving, 0.0), schedule.exact)
+
+
+def combinations_of(found: Examined) -> list[Places]:
+    """The places between which planning chooses: the best of the combinations that are allowed."""
+    return [each.places for each in found.ranking[:MOST]]

@@ -16,6 +16,7 @@ from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.population import Population
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Orientation, Position
+from fatigue_planner.motion.payload import FromFist
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.station.limits import Limit
 
@@ -26,7 +27,7 @@ BINDING = tuple(kind for kind in _SHIPPED if kind not in ONLY_WARN)
 
 Way = Literal["arm", "back", "squat"]
 WAYS: tuple[Way, ...] = ("arm", "back", "squat")
-Hands = Literal["right", "left", "either", "both"]
+Hands = Literal["right", "left", "either", "other", "both"]
 
 # How many places the operations of a cycle can be combined in, and how many motions there are to simulate.
 MAX_COMBINATIONS, MAX_MOTIONS = 1000, 2000
@@ -84,8 +85,12 @@ class Force(Settings):
 class HandTool(Settings):
     """A tool, a part or a load: its mass in the fist and the force with which the work pushes back."""
 
-    mass_kg: float = Field(
-        ge=0, le=30, description="Mass in kg, a point at the centre of the fist; shared where both hands work."
+    mass_kg: float = Field(ge=0, le=30, description="Mass in kg, a point in the hand; shared where both hands work.")
+    centre_of_mass_m: FromFist = Field(
+        default=FromFist(),
+        description="Where its centre of mass is, in m from the centre of the right fist that holds it: x towards the "
+        "thumb, y out of the palm, z towards the wrist; of the left fist in the mirror. Not where both hands work. "
+        "Default: in the fist.",
     )
     force_n: Force | None = Field(
         default=None,
@@ -113,6 +118,10 @@ class Place(Position):
         description="How the hand is held, in degrees; {y: -90} is a fist that points forward. Default: as it likes.",
     )
     tool: Name | None = Field(default=None, description="The tool that is used at this place instead of another.")
+    map: Name | None = Field(
+        default=None,
+        description="The map of the page on which the place is drawn. Default: none; of a point of a grid, the grid's.",
+    )
 
 
 def _names(value: Any) -> Any:
@@ -131,7 +140,8 @@ class StationOperation(Circumstances):
     seconds: float = Field(ge=0.1, le=600, description="How long the hand works at the place, in s, the way excluded.")
     hand: Hands = Field(
         default="either",
-        description="The hand that works. either: the worker's better one; both: both together, grip_width_m apart.",
+        description="The hand that works. either: the worker's better one; other: the one that is not; both: both "
+        "together, grip_width_m apart.",
     )
     tool: Name | None = Field(default=None, description="The tool that is held, by its name. Default: none.")
     grip_width_m: float = Field(
@@ -242,6 +252,8 @@ class Station(Settings):
     def _check_across(self) -> Self:
         if faults := [
             *self._name_faults(),
+            *self._map_faults(),
+            *self._lever_faults(),
             *self._binding_faults(),
             *self._population_faults(),
             *self._time_faults(),
@@ -267,6 +279,22 @@ class Station(Settings):
             force = tool.force_n or Force()
             if (force_n := math.hypot(force.x, force.y, force.z)) > STRONGEST_N:
                 yield f"tools.{name}.force_n: is {force_n:.0f} N; at most {STRONGEST_N:g} N"
+
+    def _lever_faults(self) -> Iterator[str]:
+        for name, operation in self.operations.items():
+            for place in operation.places if operation.hand == "both" else ():
+                tool = self.tool_at(name, place) if place in self.places else None
+                if tool in self.tools and self.tools[tool].centre_of_mass_m != FromFist():
+                    yield (
+                        f"tools.{tool}.centre_of_mass_m: {name} holds it with both hands, so its centre is between the "
+                        "fists; leave it out"
+                    )
+
+    def _map_faults(self) -> Iterator[str]:
+        drawn: dict[tuple[Any, ...], str] = {}
+        for name, at in self.places.items():
+            if at.map is not None and (other := drawn.setdefault((at.map, at.x, at.y, at.z), name)) != name:
+                yield f"places.{name}.map: {other} is at the same point of map {at.map}, which shows one place there"
 
     def _binding_faults(self) -> Iterator[str]:
         if unknown := [kind for kind in self.binding if kind not in INDICATORS.kinds()]:

@@ -13,6 +13,7 @@ from fatigue_planner.station.assessment import (
     ReachShare,
     Rotation,
     Rule,
+    Sensing,
     WholeCycle,
 )
 from fatigue_planner.station.schema import Station
@@ -40,6 +41,7 @@ NO_JOINT = "No joint tires"
 SHORTFALL = "{worker} cannot go on for ever: in cycle {cycle} {joint} cannot give what is asked"
 REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to {high:.0%} with 3 cm less or more)"
 REACH_NEARLY_ALL = "{place} is reached by nearly all of the {sex} population"
+NOT_STRONG = "Nobody of the {sex} population is strong enough for {place}: even P99 of strength cannot bear the load"
 STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
 # What has to be known.
 ASSUMED_POPULATION = "Percentiles are of ANSUR II, soldiers of the US Army in 2012; give population for your own people"
@@ -55,7 +57,7 @@ ASSUMED_REST = (
 ASSUMED_LAW = (
     "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
 )
-ASSUMED_TOOL = "A tool is a point mass in the fist; vibration and its centre of mass are not simulated"
+ASSUMED_TOOL = "A tool is a point mass, in the fist or at its centre_of_mass_m; vibration is not simulated"
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
 # What single changes do, and another place in every cycle.
@@ -63,6 +65,21 @@ CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} a
 CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"
+SENSING = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it saves {saving:.1%} "
+    "({low:z.1%} to {high:z.1%}) of the cost of fatigue over the best schedule; no plan can save more than {most:.1%}"
+)
+SENSING_NOT_SHOWN = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it saves nothing that can be "
+    "shown over the best schedule: {low:z.1%} to {high:z.1%} of the cost of fatigue; no plan can save more than "
+    "{most:.1%}"
+)
+SENSING_NOTHING = (
+    "If a worker takes any way that may be used, a robot that sees which and plans by it always chooses as the best "
+    "schedule does, so sensing saves nothing; no plan can save more than {most:.1%} of the cost of fatigue"
+)
+SENSING_CERTAIN = "Planning with sensing saves nothing: every worker has one way to work at each allowed place"
+SENSING_NO_CHOICE = "Planning with sensing saves nothing: there is no choice between allowed places"
 
 Phrases = Iterator[Phrase]
 # Of a population, also with shorter arms.
@@ -112,9 +129,13 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
 
 
 def _rules(rules: Sequence[Rule]) -> str:
-    """The rules with the part of the body that each finds worst, that with the most seconds first."""
+    """The rules, that with the most seconds first: the part of the body that each finds worst, and its seconds."""
     ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
-    return ", ".join(f"{rule.title} ({rule.part})" if rule.part else rule.title for rule in ordered)
+    inside = [[rule.part, f"{rule.not_acceptable_s:.0f} s" if rule.not_acceptable_s else ""] for rule in ordered]
+    found = [", ".join(filter(None, parts)) for parts in inside]
+    return ", ".join(
+        f"{rule.title} ({said})" if said else rule.title for rule, said in zip(ordered, found, strict=True)
+    )
 
 
 def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces) -> Phrases:
@@ -175,7 +196,9 @@ def of_population(shares: Sequence[ReachShare]) -> Phrases:
                     "high": each.share_high,
                 },
             )
-        if each.strong_share is not None:
+        if each.strong_share is not None and not each.weakest_joint:
+            yield Phrase(NOT_STRONG, {"sex": each.sex, "place": each.place})
+        elif each.strong_share is not None:
             joint = joint_name(each.weakest_joint)
             yield Phrase(STRONG, {"share": each.strong_share, "sex": each.sex, "place": each.place, "joint": joint})
 
@@ -198,6 +221,23 @@ def of_rotation(rotation: Rotation | None) -> Phrases:
     else:
         sequence = " - ".join("+".join(places.values()) for places in rotation.sequence)
         yield Phrase(ROTATION, {"sequence": sequence, "saving": rotation.saving})
+
+
+def of_sensing(station: Station, best: BestPlaces, sensing: Sensing | None) -> Phrases:
+    """What planning with sensing adds to the best schedule, where the station leaves a choice of places."""
+    if sensing is None:
+        if best.places and any(len(each.places) > 1 for each in station.operations.values()):
+            yield Phrase(SENSING_NO_CHOICE)
+        return
+    values: Values = {"low": sensing.low, "high": sensing.high, "most": sensing.most}
+    if sensing.certain:
+        yield Phrase(SENSING_CERTAIN)
+    elif sensing.low == sensing.high == 0:
+        yield Phrase(SENSING_NOTHING, {"most": sensing.most})
+    elif sensing.low <= 0:
+        yield Phrase(SENSING_NOT_SHOWN, values)
+    else:
+        yield Phrase(SENSING, values | {"saving": sensing.saving})
 
 
 def assumptions_of(station: Station) -> tuple[Phrase, ...]:

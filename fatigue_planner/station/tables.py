@@ -12,8 +12,12 @@ from fatigue_planner.core.files import publish_csv, publish_text
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Phrase
-from fatigue_planner.station.assessment import StationAssessment
+from fatigue_planner.station.assessment import Doing, StationAssessment
 
+INDICATOR_COLUMNS = [
+    *Doing._fields, "indicator", "edition", "applies", "low", "high", "unit", "level_low", "level_high",
+    "not_acceptable_s", "worst_time_s", "worst_part", "undecided", "text",
+]  # fmt: skip
 ASSESSMENT, PLACES, OUTCOMES, INDICATORS = "assessment.json", "places.csv", "outcomes.csv", "indicators.csv"
 
 
@@ -23,7 +27,7 @@ def write(assessment: StationAssessment, folder: Path, json_text: str) -> list[P
     publish_text(files[0], json_text + "\n")
     publish_csv(files[1], pd.DataFrame(place_rows(assessment)))
     publish_csv(files[2], pd.DataFrame(outcome_rows(assessment)))
-    publish_csv(files[3], pd.DataFrame(indicator_rows(assessment)))
+    publish_csv(files[3], pd.DataFrame(indicator_rows(assessment), columns=INDICATOR_COLUMNS))
     return files
 
 

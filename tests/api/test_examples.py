@@ -22,6 +22,7 @@ OUTPUT = {
     "crying_baby": "exact value: -16.31",
     "rock_sample": "Mean return of 10 games of RockSample[7,8]",
     "light_dark": "Mean return of 20 games",
+    "beside_a_robot": "cycle 6: ",
     "hidden_worker": "knows the truth",
 }
 

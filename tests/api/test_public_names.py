@@ -1,6 +1,7 @@
 """`import fatigue_planner as fp`: every public name is documented, has an example that runs, and is typed."""
 
 import ast
+import datetime
 import doctest
 import inspect
 import subprocess
@@ -20,7 +21,7 @@ NAMES = [name for name in fp.__all__ if not name.startswith("__")]
 
 
 @pytest.fixture(scope="module")
-def names(cache_folder: Path) -> Iterator[dict[str, Any]]:
+def names(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
     """What the examples start from; what they register is forgotten."""
     experiment = fp.load(PAPER)
     reactions = fp.simulate(experiment, cache_folder)
@@ -28,7 +29,8 @@ def names(cache_folder: Path) -> Iterator[dict[str, Any]]:
     with forgotten_plugins():
         yield {
             "fp": fp, "np": np, "examples": ROOT / "examples", "experiment": experiment, "cache": cache_folder,
-            "reactions": reactions, "scenario": scenario,
+            "reactions": reactions, "scenario": scenario, "folder": tmp_path_factory.mktemp("shifts"),
+            "datetime": datetime,
         }  # fmt: skip
 
 
@@ -56,7 +58,7 @@ def test_type_checkers_see_the_same_names() -> None:
 
 
 def test_there_are_some_thirty_names() -> None:
-    assert 20 <= len(NAMES) <= 32
+    assert 20 <= len(NAMES) <= 36
     assert set(dir(fp)) == set(fp.__all__)
     with pytest.raises(AttributeError, match="no attribute 'simulat'"):
         _ = fp.simulat

@@ -158,14 +158,17 @@ def test_the_strain_index_of_an_operation(reactions: tuple[Reaction, ...]) -> No
     bent = -Operation.of(reactions[0], step_s=0).posture.wrist_deg[work, 0][::10]
     worst = max(bent, key=posture_multiplier)
     assert found.value is not None
-    assert found.value.low == found.value.high == pytest.approx(strain_index(Effort(0.6, 2, 6, worst), 4))
+    assert found.value.low == pytest.approx(strain_index(Effort(0.6, 2, 6, worst), 4))
+    # 16 s of every 30 s with 60 actions a minute, each of a second
+    assert [decides.key for decides in found.decides] == ["actions_per_minute"] * 3
+    assert found.value.high == pytest.approx(strain_index(Effort(0.6, 32, 1, worst), 4)) == found.decides[2].value
     assert found.worst is not None
     assert found.worst.side == "right"
     counted = replace(Operation.of(reactions[0]), stated=Circumstances(effort_share=0.6, actions_per_minute=30))
     screws = one(StrainIndex(), counted, cycle_s=32, hours=4)
     assert (screws.parts["per_minute"], screws.parts["duration_s"]) == (pytest.approx(15), 2)
     unknown = one(StrainIndex(), Operation.of(reactions[0]), cycle_s=30)
-    assert {decides.key for decides in unknown.decides} == {"effort_share", "hours"}
+    assert {decides.key for decides in unknown.decides} == {"effort_share", "hours", "actions_per_minute"}
     assert unknown.levels is not None
     assert unknown.levels[1] == Level.NOT_ACCEPTABLE
 
@@ -208,7 +211,11 @@ def test_duet_is_of_the_worse_hand(reactions: tuple[Reaction, ...]) -> None:
     left = replace(right, name="left", request=replace(right.request, action=Action(left_hand=goal)))
     left = replace(left, stated=Circumstances(omni_effort=6))
     alone, both = one(Duet(), left, cycle_s=60, hours=8), one(Duet(), right, left, cycle_s=60, hours=8)
-    assert both.value == alone.value
+    assert both.value == alone.value is not None
+    counted = one(
+        Duet(), replace(left, stated=Circumstances(omni_effort=6, actions_per_minute=60)), cycle_s=60, hours=8
+    )
+    assert counted.value is not None and alone.value.high == counted.value.low == counted.value.high > alone.value.low
     assert both.worst is not None
     assert (both.worst.operation, both.worst.side) == ("left", "left")
     assert both.parts == {"dose": pytest.approx(480 * DAMAGE[6]), "dose of left": pytest.approx(480 * DAMAGE[6])}

@@ -1,6 +1,7 @@
 """ISO 11226 and EN 1005-4: holding times, known postures, a second computation at every tick, supports, frequency."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level
 from fatigue_planner.ergonomics.stated import Circumstances, Shift
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.reactions.reaction import Reaction
 
 HIPS = ("right_hip_flexion", "left_hip_flexion")
@@ -23,6 +25,13 @@ HIPS = ("right_hip_flexion", "left_hip_flexion")
 
 def one(indicator: HeldPosture, operation: Operation, **shift: float) -> Assessment:
     return evaluate([operation], Shift(**shift), [indicator])[0]
+
+
+def all_work(motion: Motion, **changes: Any) -> Motion:
+    """A motion that is work from its first tick to its last."""
+    changed = replace(motion, **changes)
+    ticks = len(changed.configuration)
+    return replace(changed, phases=(Phase("reach", 0, 0), Phase("work", 0, ticks), Phase("return", ticks, ticks)))
 
 
 @pytest.mark.parametrize(
@@ -46,7 +55,9 @@ def test_a_second_computation_finds_the_same_at_every_tick(reactions: tuple[Reac
         operation = Operation.of(reaction, Circumstances(shoulder_raised=False), step_s=0)
         seen = list(readings(reaction, 1).values())
         for indicator, again in ((Iso11226(), iso_levels), (En10054(), en_levels)):
-            expected = again(seen, operation.posture.step_s)
+            work = reaction.motion.phase("work")
+            at_work = [work.start <= tick < work.stop for tick in range(len(seen))]
+            expected = again(seen, operation.posture.step_s, at_work)
             job_times = one(indicator, operation).times
             assert job_times is not None
             counted = [expected.count(level) * operation.posture.step_s for level in range(3)]
@@ -120,7 +131,7 @@ def test_a_brief_rise_is_no_rest(paper: Experiment, reactions: tuple[Reaction, .
     }
     for between, expected in ((62.0, (0, 0, 160)), (0.0, (3, 157, 0))):
         configuration = np.vstack([at[50.0][:800], at[between][:30], at[50.0][:770]])
-        motion = replace(reactions[0].motion, configuration=configuration, time_step_s=0.1)
+        motion = all_work(reactions[0].motion, configuration=configuration, time_step_s=0.1)
         operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
         assert one(Iso11226(), operation).times == pytest.approx(expected)
 
@@ -131,13 +142,41 @@ def test_what_passes_is_not_held(paper: Experiment, reactions: tuple[Reaction, .
         standing(paper, reactions[0].motion, right_shoulder_flexion=degrees).configuration for degrees in (75.0, 0.0)
     )
     for ticks, expected_s in ((400, 0.0), (410, 4.1)):
-        configuration = np.vstack([up[:ticks], down[ticks:]])
-        motion = replace(reactions[0].motion, configuration=configuration)
+        motion = all_work(reactions[0].motion, configuration=np.vstack([up[:ticks], down[ticks:]]))
         operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
         assert one(Iso11226(), operation).value == pytest.approx((expected_s, expected_s))
         hold = arm_hold(replace(reactions[0], motion=motion))
         assert (hold.longest_s, hold.overhead) == (pytest.approx(ticks / 100), ticks > 400)
         assert hold.highest_deg == pytest.approx(75)
+
+
+def test_the_ways_are_movements(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """An arm above 60 degrees from 2 s before the work to 2 s after it is held for the 6 s of the work, not for 10 s.
+
+    Whoever never lowers it holds it all the time.
+    """
+    up, down = (
+        standing(paper, reactions[0].motion, right_shoulder_flexion=degrees).configuration for degrees in (75.0, 0.0)
+    )
+    work = reactions[0].motion.phase("work")
+    first, last = work.start - 200, work.stop + 200
+    part = np.vstack([down[:first], up[first:last], down[last:]])
+    for configuration, expected_s in ((part, 6.0), (up, 16.0)):
+        motion = replace(reactions[0].motion, configuration=configuration)
+        operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
+        assert one(Iso11226(), operation).value == pytest.approx((expected_s, expected_s))
+        assert one(En10054(), operation, cycle_s=60).value == pytest.approx((expected_s, expected_s))
+
+
+def test_en_knows_no_movement_in_what_is_never_left(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
+    """A trunk at 40 degrees through all cycles is held, conditionally; raised in each of them, it moves too often."""
+    posture = dict.fromkeys((*HIPS, "right_shoulder_flexion", "left_shoulder_flexion"), 40.0) | {"neck_flexion": -4.0}
+    bent, upright = (standing(paper, reactions[0].motion, **each).configuration for each in (posture, {}))
+    raised = np.vstack([upright[:100], bent[100:]])
+    for configuration, expected in ((bent, Level.INVESTIGATE), (raised, Level.NOT_ACCEPTABLE)):
+        motion = replace(reactions[0].motion, configuration=configuration)
+        operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
+        assert one(En10054(), operation, cycle_s=16).levels == ((expected,) * 2)
 
 
 def test_en_counts_how_often_a_zone_is_entered(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
@@ -161,9 +200,8 @@ def test_en_judges_a_hold_by_how_often_it_is_entered_too(
     posture = dict.fromkeys((*HIPS, "right_shoulder_flexion", "left_shoulder_flexion"), 40.0) | {"neck_flexion": -4.0}
     bent, upright = (standing(paper, reactions[0].motion, **each).configuration for each in (posture, {}))
     ticks = round(100 * seconds)
-    motion = replace(
-        reactions[0].motion, configuration=np.vstack([upright[:500], bent[:ticks], upright[500 + ticks :]])
-    )
+    configuration = np.vstack([upright[:500], bent[:ticks], upright[500 + ticks :]])
+    motion = all_work(reactions[0].motion, configuration=configuration)
     operation = replace(Operation.of(reactions[0], Circumstances(shoulder_raised=False)), motion=motion)
     assert one(En10054(), operation, cycle_s=20).times == pytest.approx((16 - seconds, 0, seconds))
     assert one(En10054(), operation, cycle_s=60).levels == ((Level(seconds > 4),) * 2)

@@ -168,6 +168,10 @@ def test_the_last_spell_of_a_shift_may_be_shorter(reactions: tuple[Reaction, ...
     assert long.value != short.value
     assert one(operation, cycle_s=60, hours=7.5, spell_h=4.5, break_h=0.5).value == long.value
     assert one(operation, cycle_s=60, hours=2.5, spell_h=1, break_h=1).value == short.value
+    # the longest time of work is an hour and has the longest break after it; the two before it have none
+    unlike = [{"work_h": 0.8, "break_h": 0.1}, {"work_h": 0.7, "break_h": 1.5}, {"work_h": 1, "break_h": 1}]
+    moderate = evaluate([operation], Shift(cycle_s=60, hours=2.5, spells=[*unlike]), [NioshLifting()])[0]
+    assert moderate.value == one(operation, cycle_s=60, hours=1.5).value != short.value
 
 
 def test_several_lifts_are_composed(reactions: tuple[Reaction, ...]) -> None:

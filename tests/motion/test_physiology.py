@@ -11,19 +11,23 @@ from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.human.joint_data import position_limits
+from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import build_human, joint_index
 from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.passive_moments import passive_moments_of
+from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.physiology import hand_turn, registry
 from fatigue_planner.motion.physiology.clearance import APART_M, ROWS, Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
-from fatigue_planner.motion.physiology.gaze import EYES_DOWN_RAD, EYES_UP_RAD, head_axes
+from fatigue_planner.motion.physiology.facing import Facing, heading
+from fatigue_planner.motion.physiology.gaze import EYES_ASIDE_RAD, EYES_DOWN_RAD, EYES_UP_RAD, head_axes
 from fatigue_planner.motion.physiology.piece import Bearer
 from fatigue_planner.motion.physiology.stops import REACH_RAD, Stops
 from fatigue_planner.motion.plausibility import Plausibility, measure_plausibility
+from fatigue_planner.motion.posture_measures import turn
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.motion.verification import measure
 
@@ -184,29 +188,85 @@ def test_no_zone_moves_a_worker_who_stands() -> None:
 @pytest.mark.parametrize(("elevation", "pitch"), [(-60, -40), (-15, 0), (8, 0), (40, 30)])
 def test_the_head_turns_level_and_leaves_a_part_to_the_eyes(elevation: float, pitch: float) -> None:
     up, aside = np.radians(elevation), np.radians(35)
-    axes = head_axes(np.array([np.cos(up) * np.cos(aside), np.cos(up) * np.sin(aside), np.sin(up)]))
+    axes = head_axes(np.array([np.cos(up) * np.cos(aside), np.cos(up) * np.sin(aside), np.sin(up)]), 0.0)
     np.testing.assert_allclose(axes.T @ axes, np.eye(3), atol=1e-12)
     assert axes[2, 1] == 0 and np.degrees(np.arcsin(axes[2, 0])) == pytest.approx(pitch)
-    assert np.degrees(np.arctan2(axes[1, 0], axes[0, 0])) == pytest.approx(35)
-    assert np.degrees([EYES_DOWN_RAD, EYES_UP_RAD]) == pytest.approx([20, 10])
+    assert np.degrees(np.arctan2(axes[1, 0], axes[0, 0])) == pytest.approx(20)
+    assert np.degrees([EYES_DOWN_RAD, EYES_UP_RAD, EYES_ASIDE_RAD]) == pytest.approx([20, 10, 15])
+
+
+@pytest.mark.parametrize(
+    ("work", "chest", "turned"), [(35, 35, 35), (35, 25, 25), (35, 60, 50), (35, -30, 20), (-155, 170, -170)]
+)
+def test_the_head_goes_with_the_chest_where_the_eyes_can_do_the_rest(work: float, chest: float, turned: float) -> None:
+    aside = np.radians(work)
+    axes = head_axes(np.array([np.cos(aside), np.sin(aside), 0.0]), float(np.radians(chest)))
+    assert np.degrees(np.arctan2(axes[1, 0], axes[0, 0])) == pytest.approx(turned)
+
+
+def ahead() -> MotionRequest:
+    """The right hand, before the midline, as far as the straight arm: whoever turns brings the shoulder forward."""
+    goal = {"position_m": {"x": 0.49, "y": 0.0, "z": 0.9}}
+    return replace(REQUESTS["arm"], action=Action.model_validate({"right_hand": goal}))
+
+
+def turned_deg(motion: Motion) -> tuple[float, float]:
+    """Pelvis on the feet, and head in the chest, in the middle of the work."""
+    middle = motion.middle("work")
+    poses = poses_of(tree_of(REQUESTS["arm"].worker.anthropometry()), motion.configuration[middle : middle + 1])
+    pelvis, neck = poses.rotation[0, BODIES.index("pelvis")], turn(poses, "head", "thorax")[0]
+    return float(np.degrees(heading(pelvis))), float(np.degrees(np.arctan2(neck[1, 0], neck[1, 1])))
+
+
+def test_the_pelvis_faces_where_the_feet_point(without: object) -> None:
+    request = ahead()
+    motion = simulate(request)
+    assert seen(request, motion).findings() == [] and measure(request, motion).faults(EXPERIMENT.accuracy) == []
+    pelvis, neck = turned_deg(motion)
+    without(Facing)
+    free_pelvis, free_neck = turned_deg(simulate(request))
+    assert 0 < pelvis < 0.6 * free_pelvis and free_pelvis > 25
+    assert 0 > neck > 0.6 * free_neck
+
+
+def test_where_a_body_faces_is_what_its_left_side_says_and_how_it_turns() -> None:
+    """Leaning does not count; and in mid-reach d heading / dt is the task's row times v."""
+    for leaning in (0, 60, 120):
+        rotation = pin.rpy.rpyToMatrix(0.0, np.radians(leaning), np.radians(-40))
+        assert np.degrees(heading(rotation)) == pytest.approx(-40)
+    simulator = Simulator(ahead())
+    for tick in range(150):
+        simulator.prepare(tick)
+        simulator.advance(simulator.body.controller.step().acceleration)
+    simulator.prepare(150)
+    task = next(piece.task for piece in simulator.body.physiology.pieces if isinstance(piece, Facing))
+    state, row, target = simulator.body.state, np.zeros((1, 45)), np.zeros(1)
+    q, v, h = simulator.configuration, simulator.velocity, 1e-5
+    task.evaluate(state, row, target)
+    now = heading(state.placement(task.frame).rotation)
+    assert target[0] < 0 < now  # turned to the left, and drawn back
+    state.update(pin.integrate(state.model, q, h * v), v)
+    later = heading(state.placement(task.frame).rotation)
+    assert row[0] @ v == pytest.approx((later - now) / h, rel=0.05)
 
 
 def overhead(y_deg: float) -> MotionRequest:
     goal = {"position_m": {"x": 0.3, "y": -0.2, "z": 1.75}, "orientation_deg": {"y": y_deg}}
     empty = REQUESTS["arm"].tool.model_copy(update={"mass_kg": 0.0})
-    return replace(REQUESTS["arm"], tool=empty, action=Action.model_validate({"right_hand": goal}))
+    paced = REQUESTS["arm"].cycle.model_copy(update={"reach_s": 5.0, "return_s": 5.0})  # the paper's
+    return replace(REQUESTS["arm"], tool=empty, cycle=paced, action=Action.model_validate({"right_hand": goal}))
 
 
 def test_a_hand_turns_the_way_round_that_its_shoulder_allows() -> None:
     """An arm is raised forward by 200 degrees, not backward by 160."""
     request = overhead(160)
     paths = {side: task.reference for side, task in Simulator(request).body.hands.items()}
-    ways = list(hand_turn.ways_round(paths, 300))
+    ways = list(hand_turn.ways_round(paths, 500))
     assert ways == [frozenset(), frozenset({"right"})]
-    assert paths["right"].velocity[150, 4] > 0  # the shortest way: backward
+    assert paths["right"].velocity[250, 4] > 0  # the shortest way: backward
     motion = simulate(request)
     assert seen(request, motion).findings() == [] and measure(request, motion).faults(EXPERIMENT.accuracy) == []
-    assert motion.configuration[300:400, 7 + joint_index("right_shoulder_flexion")].min() > np.radians(90)
+    assert motion.configuration[500:600, 7 + joint_index("right_shoulder_flexion")].min() > np.radians(90)
 
 
 def test_a_hand_that_can_turn_neither_way_says_why(monkeypatch: pytest.MonkeyPatch) -> None:

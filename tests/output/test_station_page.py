@@ -11,6 +11,7 @@ from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from commands import fatplan
 from conftest import ROOT
@@ -22,12 +23,16 @@ from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase
 from fatigue_planner.ergonomics.stated import Circumstances
+from fatigue_planner.experiment.pose_grid import point_name
 from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.model import CycleMap
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.plausibility import BARS, Finding
 from fatigue_planner.output.reports.station import catalogue as texts
 from fatigue_planner.output.reports.station.catalogue import Catalogue, catalogue_of, languages
 from fatigue_planner.output.reports.station.compare import BETTER, SAME, WORSE, compare_stations, comparison_page
+from fatigue_planner.output.reports.station.front import planning
+from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.page import pictured, station_page
 from fatigue_planner.output.reports.station.pictures import Posture
 from fatigue_planner.output.reports.station.stored import StoredAssessment
@@ -41,19 +46,23 @@ from fatigue_planner.station.assessment import (
     Judged,
     Kind,
     Outcome,
+    PlaceForWorker,
+    PlaceSummary,
     ReachShare,
     Rotation,
     Rule,
+    Sensing,
     StationAssessment,
     WholeCycle,
 )
 from fatigue_planner.station.changes import LIGHTER
+from fatigue_planner.station.cycles import Course
 from fatigue_planner.station.limits import Breach, Limit
 from fatigue_planner.station.loader import load_station
-from fatigue_planner.station.recommendation import excluded, places_for_workers, summaries
-from fatigue_planner.station.schema import Station
+from fatigue_planner.station.recommendation import best_of, excluded, places_for_workers, ranked, summaries
+from fatigue_planner.station.schema import Place, Station
 from fatigue_planner.station.statements import assumptions_of, headline_of
-from fatigue_planner.station.tables import plain
+from fatigue_planner.station.tables import INDICATOR_COLUMNS, indicator_rows, plain, write
 from fatigue_planner.station.workers import facts_of
 
 PACKAGE = ROOT / "fatigue_planner"
@@ -63,8 +72,10 @@ KINDS: dict[str, Kind] = {"overhead": "missed", "door": "reached", "floor": "too
 
 
 def line() -> Station:
-    """The car line that ships, with a limit."""
+    """The car line that ships, with a limit and a map."""
     found = load_station(find_shipped(Path("car_line")))
+    places = {name: each.model_copy(update={"map": "line"}) for name, each in found.places.items()}
+    found = found.model_copy(update={"places": places})
     return found.model_copy(update={"limits": (Limit(measure="upper_arm_elevation", above_deg=60, at_most_s=2),)})
 
 
@@ -115,6 +126,7 @@ def assessment(reactions: tuple[Reaction, ...]) -> StationAssessment:
         shares=(ReachShare("fit", "door", "female", 1.5, 1.8, 0.9, 0.8, 0.95, 0.99, ENTRY),),
         changes=(Change(Phrase(LIGHTER, {"tool": "gun"}), {"fit": "door"}, 0.2, 0.005, 0.5, 0.4, 1, 1, 3),),
         rotation=Rotation(({"fit": "door"}, {"fit": "floor"}), 0.1, True),
+        sensing=Sensing(0.012, 0.004, 0.021, 0.034, False),
         headline=headline_of(station, places, found, best, cycles),
         assumptions=assumptions_of(station),
         station_digest="0123456789abcdef0123",
@@ -204,7 +216,8 @@ def test_the_page_is_complete(
 ) -> None:
     page, catalogue = pages[language]
     text, wording = words(Reader(page).text), Wording(catalogue, assessment.workers)
-    for phrase in (*assessment.headline, *assessment.assumptions, *assessment.best.excluded.values()):
+    said_first = (*assessment.headline, *planning(assessment), *assessment.assumptions)
+    for phrase in (*said_first, *assessment.best.excluded.values()):
         assert words(wording.sentence(phrase)) in text
     for judgement in assessment.judged[0].judgements.values():
         for said in (judgement.title, judgement.edition, judgement.origin.words):
@@ -243,6 +256,51 @@ def test_the_first_side_says_what_counts(pages: dict[str, tuple[str, Catalogue]]
         assert said in first, said
 
 
+@pytest.mark.parametrize(
+    ("sensing", "said"),
+    [
+        (
+            Sensing(0.012, 0.004, 0.021, 0.034, False),
+            "saves 1.2 % (0.4 % to 2.1 %) of the cost of fatigue over the best",
+        ),
+        (
+            Sensing(0.002, -0.001, 0.005, 0.034, False),
+            "nothing that can be shown over the best schedule: −0.1 % to 0.5 %",
+        ),
+        (Sensing(0.0, 0.0, 0.0, 0.034, False), "sensing saves nothing; no plan can save more than 3.4 % of the cost"),
+        (Sensing(0.0, 0.0, 0.0, 0.0, True), "every worker has one way to work at each allowed place"),
+        (None, "Planning with sensing saves nothing: there is no choice between allowed places."),
+    ],
+)
+def test_the_page_says_what_planning_with_sensing_adds(
+    assessment: StationAssessment, sensing: Sensing | None, said: str
+) -> None:
+    for language in languages():
+        wording = Wording(catalogue_of(language), assessment.workers)
+        last = [words(wording.sentence(each)) for each in planning(replace(assessment, sensing=sensing))][-1]
+        assert not wording.catalogue.missing and (language != "en" or said in last)
+
+
+def test_what_a_rule_forbids_is_left_out_and_never_recommended(assessment: StationAssessment) -> None:
+    """The door, forbidden to one of three workers: excluded for all, in no ranking; the first lines name its rule."""
+    station = assessment.station
+    reached = [replace(each, kind="reached", breaches=(), findings=()) for each in assessment.outcomes]
+    alone = {each.doing: replace(assessment.judged[0], doing=each.doing) for each in reached}
+    rules = tuple(Rule(kind, kind, Level.NOT_ACCEPTABLE, seconds, "") for kind, seconds in (("a", 3.0), ("b", 20.0)))
+    for doing, judged in alone.items():
+        if doing.place == "door" and doing.worker == "tall_man":
+            alone[doing] = replace(judged, level=Level.NOT_ACCEPTABLE, by=rules)
+    places = places_for_workers(station, reached, alone)
+    out = excluded(station, places, alone)
+    assert {place for _, place in out} == {"door"} and "a, b" in str(out["fit", "door"])
+    course = Course(*(CycleMap(np.full(2, 0.5), np.full(2, 0.1)) for _ in range(3)))
+    ranking = ranked(station, places, out, dict.fromkeys(alone, course))
+    assert {each.places for each in ranking} == {("overhead",), ("floor",)}
+    lines = headline_of(station, places, summaries(station, places, alone), best_of(station, ranking, out, None), ())
+    assert "fit at door is not acceptable for 20 of 42 s by b (20 s), a (3 s)" in map(str, lines)
+    assert not any(str(line) == "Best for fit: door" for line in lines)
+
+
 def test_without_an_allowed_place_nothing_is_recommended(
     assessment: StationAssessment, postures: dict[Doing, Posture]
 ) -> None:
@@ -251,15 +309,73 @@ def test_without_an_allowed_place_nothing_is_recommended(
     assert "No cycle is recommended." in page and "(recommended)" not in page and "least bad" in page
 
 
-def test_nobody_reaches_anything(assessment: StationAssessment) -> None:
+def test_nobody_reaches_anything(assessment: StationAssessment, tmp_path: Path) -> None:
     missed = tuple(replace(each, kind="missed", breaches=()) for each in assessment.outcomes)
     places = tuple(places_for_workers(assessment.station, missed, {}))
     nobody = replace(
-        assessment, outcomes=missed, judged=(), places=places, cycles=(), changes=(), rotation=None,
+        assessment, outcomes=missed, judged=(), places=places, cycles=(), changes=(), rotation=None, sensing=None,
         summaries=tuple(summaries(assessment.station, places, {})), best=BestPlaces({}, None, None, {}, None, {}),
     )  # fmt: skip
     page = words(Reader(station_page(nobody, {}, catalogue_of("de"))).text)
     assert "Kein Bild: Niemand erreicht einen Ort." in page
+    write(nobody, tmp_path, "{}")
+    header = ",".join(INDICATOR_COLUMNS)
+    assert (tmp_path / "indicators.csv").read_text(encoding="utf-8").splitlines() == [header]
+    assert all(list(row) == INDICATOR_COLUMNS for row in indicator_rows(assessment))
+
+
+def grid_of(station: Station) -> Station:
+    """The same with a rack of six places instead of the door."""
+    points = {point_name("rack", {"x": x, "z": z}): (x, z) for x in (0.3, 0.45, 0.6) for z in (0.9, 1.4)}
+    at = {name: Place(x=x, y=-0.1, z=z, tool="gun", map="rack") for name, (x, z) in points.items()}
+    fit = station.operations["fit"].model_copy(update={"places": tuple(at)})
+    return station.model_copy(update={"places": at, "operations": {"fit": fit}})
+
+
+@pytest.mark.parametrize("language", languages())
+def test_a_grid_of_places_is_drawn_as_a_map(assessment: StationAssessment, language: str) -> None:
+    """Every place once, at its row and column, with its level as a sign, who cannot, fatigue, rule and score."""
+    station = grid_of(assessment.station)
+    rules, judged = assessment.judged[0].by, assessment.judged[0]
+    names = list(station.operations["fit"].places)
+    levels = [Level.ACCEPTABLE, Level.INVESTIGATE, Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE, None, None]
+    found = tuple(
+        PlaceSummary(
+            "fit", name, ("tall_man",) if level is not None else (), ("small_woman",) if i in (3, 4, 5) else (), level,
+            rules if level else (), (), None if level is None else 0.1 * (i + 1), "" if level is None else ENTRY, 0.01,
+        )
+        for i, (name, level) in enumerate(zip(names, levels, strict=True))
+    )  # fmt: skip
+    doing = Doing("tall_man", "fit", names[1], "arm")
+    place = PlaceForWorker("tall_man", "fit", names[1], "arm", Level.INVESTIGATE, Outcome(doing, ("right",), "reached"))
+    made = replace(
+        assessment, station=station, summaries=found, places=(place,), judged=(replace(judged, doing=doing),),
+        best=BestPlaces({"fit": names[0]}, 0.1, 0.01, {}, None, {}),
+    )  # fmt: skip
+    wording = Wording(catalogue_of(language), assessment.workers)
+    (drawn,) = maps(made, wording)
+    assert not wording.catalogue.missing and drawn.words in drawn.svg
+    assert all(f" {count} " in f" {drawn.words} " for count in (6, 1, 2))
+    cells = re.findall(r"<g><title>([^<]*)</title>(.*?)</g>", drawn.svg)
+    texts_of = [re.findall(r"<text[^>]*>([^<]*)", inside) for _, inside in cells]
+    told = dict(zip(names, texts_of, strict=True))
+    percent = [wording.percent(0.1 * (i + 1)) for i in range(6)]
+    score = judged.judgements["rula"].value
+    assert score is not None
+    assert list(told.values()) == [
+        ["★ ●", percent[0]], ["▲ 1", percent[1], f"R {score.low:.0f}"], ["■ 1", percent[2]],
+        ["■ 1", percent[3], "✕ 1"], ["✕"], ["✕"],
+    ]  # fmt: skip
+    assert all(wording.name(name) in title for name, (title, _) in zip(names, cells, strict=True))
+    assert wording.worker("small_woman") in cells[3][0] and "ISO 11226" in cells[3][0]
+    dashed = ["stroke-dasharray" in inside for _, inside in cells]
+    assert dashed == [False, False, False, True, True, True]
+    hatched = ["<path" in inside for _, inside in cells]
+    assert hatched == [level == Level.NOT_ACCEPTABLE for level in levels]
+    corners = [tuple(map(float, re.search(r'rect x="([\d.]+)" y="([\d.]+)"', inside).groups())) for _, inside in cells]  # type: ignore[union-attr]
+    columns, rows = (sorted({corner[axis] for corner in corners}) for axis in (0, 1))
+    assert [(columns.index(x), rows.index(y)) for x, y in corners] == [(0, 1), (0, 0), (1, 1), (1, 0), (2, 1), (2, 0)]
+    assert any("1 ISO 11226" in line for line in drawn.legend)
 
 
 # The catalogues.
@@ -406,7 +522,8 @@ def test_german_numbers_and_words() -> None:
     assert german.text("Shoes raise the worker by {shoes_cm:.1f} cm", shoes_cm=2.5) == "Schuhe erhöhen um 2,5 cm"
     assert german.number(0.305, ".0%") == "30\u00a0%" and german.number(-1.5, ".1f") == "−1,5"
     assert (
-        german.term("RULA (right neck), EN 1005-4 (trunk twisted)") == "RULA (Hals rechts), EN 1005-4 (Rumpf verdreht)"
+        german.term("RULA (right neck, 27 s), EN 1005-4 (trunk twisted)")
+        == "RULA (Hals rechts, 27 s), EN 1005-4 (Rumpf verdreht)"
     )
     assert german.term("torque step within 40 ms at left hip flexion of 12.6 N.m (at most 10)") == (
         "Drehmomentsprung in 40 ms von 12,6 N·m: Hüfte (Beugung) links (höchstens 10)"
@@ -451,6 +568,21 @@ def test_a_comparison_says_what_got_better_and_what_worse(
     assert found.settings == {"places.door.z": ("1.15", "1.0")}
     back = compare_stations(stored(better), stored(assessment), catalogue_of("en"))
     assert [row.verdict for row in back.cycles] == [SAME, SAME, BETTER]
+
+
+def test_a_worker_of_a_name_may_be_another_one_after(assessment: StationAssessment) -> None:
+    """Each side calls the workers by its own percentiles; a row says both."""
+    station, name = assessment.station, assessment.workers[0].name
+    other = station.workers[name].model_copy(update={"percentile": 50})
+    changed = station.model_copy(update={"workers": station.workers | {name: other}})
+    facts = (facts_of(changed, name), *assessment.workers[1:])
+    found = compare_stations(
+        stored(assessment), stored(replace(assessment, station=changed, workers=facts)), catalogue_of("en")
+    )
+    assert found.cycles[0].what == ("woman P5 → woman P50",) and found.cycles[1].what == ("man P95",)
+    overhead = next(row for row in found.places if row.what[1] == "overhead")
+    assert "woman P5," in overhead.before and "woman P50," in overhead.after
+    assert found.settings == {"workers.woman P5 → woman P50.percentile": ("5.0", "50.0")}
 
 
 @pytest.mark.parametrize("language", languages())

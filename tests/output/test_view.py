@@ -2,6 +2,7 @@
 
 import base64
 import io
+import json
 import os
 import re
 import subprocess
@@ -31,15 +32,15 @@ from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.postures import filmstrip
 from fatigue_planner.output.viewer.body_shapes import body_shapes
 from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
-from fatigue_planner.output.viewer.page import (
-    FRAMES_PER_S,
+from fatigue_planner.output.viewer.page import FRAMES_PER_S, Recording, page, record
+from fatigue_planner.output.viewer.scene import (
     METRES_PER_NEWTON,
     METRES_PER_NEWTON_ON_A_HAND,
     force_arrows,
     load_colour,
-    page,
 )
-from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.output.viewer.start_view import start_view
+from fatigue_planner.reactions.reaction import Reaction, ReactionName
 
 SHOWN = "average_man/low/back"
 
@@ -52,7 +53,7 @@ def clips(paper: Experiment, reactions: tuple[Reaction, ...]) -> list[MotionClip
 
 @pytest.fixture(scope="module")
 def shown(clips: list[MotionClip]) -> MotionClip:
-    return next(clip for clip in clips if clip.title == SHOWN)
+    return next(clip for clip in clips if str(clip.name) == SHOWN)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +68,7 @@ def html(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
     path = folder / "results" / "paper" / "view.html"
     assert done.stdout.startswith(f"results/paper/view.html: {SHOWN}; ") and len(done.stdout.splitlines()) == 1
-    assert done.stderr == "Recording 1 reaction, some 3 s each ...\n"
+    assert not done.stderr
     assert (folder / "opened").read_text().strip() == path.as_uri()
     return path.read_text()
 
@@ -75,11 +76,17 @@ def html(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.fixture(scope="module")
 def messages(html: str) -> list[tuple[float, dict[str, Any]]]:
     """What the page's recording tells the viewer, with times in s."""
-    (data,) = re.findall(r'__VISER_EMBED_DATA__="([^"]+)"', html)
-    stream = io.BytesIO(base64.b64decode(data)[8:])
+    (reaction,) = reactions_of(html)
+    stream = io.BytesIO(base64.b64decode(reaction["motion"])[8:])
     raw = zstandard.ZstdDecompressor().stream_reader(stream).read()
     length = int.from_bytes(raw[:8], "little")
     return [(time, message) for time, message in msgspec.msgpack.decode(raw[8 : 8 + length])["messages"]]
+
+
+def reactions_of(html: str) -> list[dict[str, Any]]:
+    """What the page's menu chooses from."""
+    (text,) = re.findall(r'<script type="application/json" id="reactions">(.*?)</script>', html, re.DOTALL)
+    return list(json.loads(text))
 
 
 def test_the_page_needs_nothing_else(html: str) -> None:
@@ -92,7 +99,8 @@ def test_the_page_needs_nothing_else(html: str) -> None:
 @pytest.mark.slow
 def test_the_page_is_the_same_every_time(html: str, shown: MotionClip) -> None:
     before = set(threading.enumerate())
-    assert page([shown]) == html
+    made = page("paper", [record(shown)], [], "view_motions")
+    assert made.html == html and not made.beside
     assert set(threading.enumerate()) <= before  # nor is anything left running
 
 
@@ -100,7 +108,7 @@ def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], 
     names = {message.get("name") for _, message in messages}
     assert {
         "/ground",
-        "/people/0/head",
+        "/body/head",
         "/tools/right",
         "/objects/0",
         "/forces/right_foot",
@@ -109,7 +117,7 @@ def test_the_page_holds_the_scene(messages: list[tuple[float, dict[str, Any]]], 
     } <= names
     assert {f"/joints/{joint.name}" for joint in JOINTS} <= names
     labels = [message["updates"]["text"] for _, message in messages if "text" in message.get("updates", {})]
-    assert labels[0] == f"{SHOWN}: reach, 0.0 s (!)" and labels[-1].startswith(f"{SHOWN}: return, 16.0 s")
+    assert labels[0] == "reach, 0.0 s" and labels[-1] == "return, 16.0 s"
     assert max(time for time, _ in messages) == pytest.approx(shown.duration_s, abs=2 / FRAMES_PER_S)
 
 
@@ -123,7 +131,7 @@ def test_the_centre_of_mass_is_pinocchios(messages: list[tuple[float, dict[str, 
 
 
 def test_the_body_follows_the_motion(messages: list[tuple[float, dict[str, Any]]], shown: MotionClip) -> None:
-    hand = positions_of(messages, "/people/0/right_hand")
+    hand = positions_of(messages, "/body/right_hand")
     model, data = shown.bodies[0].model, shown.bodies[0].model.createData()
     for time, position in hand[:: len(hand) // 20]:
         pin.framesForwardKinematics(model, data, shown.motion.configuration[shown.tick(time)])
@@ -233,6 +241,53 @@ def test_forces_on_the_hands_are_drawn_larger(shown: MotionClip) -> None:
     np.testing.assert_allclose(arrows[2:, 1] - arrows[2:, 0], METRES_PER_NEWTON_ON_A_HAND * 10, atol=1e-3)
 
 
-def test_what_no_person_would_do_is_said_beside_the_scene(html: str, shown: MotionClip) -> None:
-    assert shown.remarks and all(remark in html for remark in shown.remarks)
-    assert f"<b>{SHOWN}</b>" in html and 'id="remarks"' in html
+def test_the_camera_starts_where_back_and_hand_are_seen(
+    messages: list[tuple[float, dict[str, Any]]], shown: MotionClip
+) -> None:
+    (place,) = [message["position"] for _, message in messages if message["type"] == "SetCameraPositionMessage"]
+    np.testing.assert_allclose(place, start_view(shown).position_m, atol=0.006)
+
+
+def test_the_menu_tells_what_no_person_would_do(html: str, shown: MotionClip) -> None:
+    (reaction,) = reactions_of(html)
+    assert reaction["name"] == SHOWN and reaction["verdict"] == shown.verdict == "implausible"
+    assert shown.remarks and reaction["remarks"] == list(shown.remarks)
+    assert '<optgroup label="average_man">' in html and "low / back: implausible</option>" in html
+    assert 'id="failed"' not in html
+
+
+def recordings(names: list[str], data: str = "AAAA") -> list[Recording]:
+    return [Recording(ReactionName("anna", name, "arm"), "ok", [], data) for name in names]
+
+
+def test_the_menu_groups_by_worker_and_tells_what_failed() -> None:
+    others = [Recording(ReactionName("<bob>", "shelf", "back"), "implausible", ["</script> 5 mm"], "BBBB")]
+    html = page("shop", [*recordings(["shelf", "floor"]), *others], ["anna/attic/arm: too high & far"], "m").html
+    groups = re.findall(r'<optgroup label="([^"]+)">(.*?)</optgroup>', html, re.DOTALL)
+    options = [(worker, re.findall(r'<option value="([^"]+)">([^<]+)<', inside)) for worker, inside in groups]
+    assert options == [
+        ("anna", [("anna/shelf/arm", "shelf / arm: ok"), ("anna/floor/arm", "floor / arm: ok")]),
+        ("&lt;bob&gt;", [("&lt;bob&gt;/shelf/back", "shelf / back: implausible")]),
+    ]
+    assert reactions_of(html)[2]["remarks"] == ["</script> 5 mm"]
+    assert "1 cannot be performed" in html and "too high &amp; far" in html
+
+
+def test_motions_too_large_for_the_page_lie_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = recordings(["shelf", "floor"])
+    assert not page("shop", shown, [], "my view#_motions").beside
+    monkeypatch.setattr("fatigue_planner.output.viewer.page.MAX_PAGE_BYTES", 500_000)
+    made = page("shop", shown, [], "my view#_motions")
+    assert made.beside == {f"{number}.js": 'window.__VISER_EMBED_DATA__="AAAA";\n' for number in (1, 2)}
+    places = [reaction["motion"] for reaction in reactions_of(made.html)]
+    assert places == ["my%20view%23_motions/1.js", "my%20view%23_motions/2.js"]
+
+
+def test_the_command_puts_motions_beside_a_large_page(
+    cache_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fatigue_planner.output.viewer.page.MAX_PAGE_BYTES", 500_000)
+    view(PAPER, cache_folder, [SHOWN], tmp_path / "v.html")
+    (reaction,) = reactions_of((tmp_path / "v.html").read_text())
+    assert reaction["motion"] == "v_motions/1.js"
+    assert (tmp_path / "v_motions" / "1.js").read_text().startswith('window.__VISER_EMBED_DATA__="')

@@ -25,7 +25,8 @@ from fatigue_planner.fatigue.parameters import FatigueParameters
 from fatigue_planner.planners.baselines import GreedyPolicy
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
-from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief, relive
+from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief
+from fatigue_planner.pomdp.beliefs.history import History, relive
 from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
 from fatigue_planner.pomdp.beliefs.registry import (
     MAX_EXACT,
@@ -248,7 +249,10 @@ def test_particles_find_the_posterior_of_continuous_parameters() -> None:
     states[:, -1] = np.arange(40**3)
     actions, seen = np.array(past).T
     outcomes = np.tile(seen.astype(np.int16), (40**3, 1))
-    log_likelihood = relive(task.model.for_workers(grid).arrays, states, actions, outcomes, 2)
+    history = replace(
+        History.begin(states), actions=actions, outcomes=outcomes, shares=np.ones(40), rest_s=np.zeros(41)
+    )
+    log_likelihood = relive(task.model.for_workers(grid), states, history)
     posterior = np.exp(log_likelihood - log_likelihood.max())
     posterior /= posterior.sum()
 
@@ -295,7 +299,7 @@ def test_rejuvenation_leaves_workers_and_their_pasts_as_they_are_distributed() -
             assert abs(stats.ttest_rel(ours, theirs).statistic) < FALSE_ALARM
     # a particle's state and likelihood are those of its worker's past
     states = after.history.start.copy()
-    log_likelihood = relive(after.model.arrays, states, after.history.actions, after.history.outcomes, 2)
+    log_likelihood = relive(after.model, states, after.history)
     np.testing.assert_array_equal(states, after.states)
     np.testing.assert_allclose(log_likelihood, after.history.log_likelihood, rtol=1e-9)
 

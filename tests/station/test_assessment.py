@@ -2,9 +2,12 @@
 
 import csv
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from commands import fatplan
@@ -13,12 +16,18 @@ from test_station_file import station
 
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.planners.schedules.cost import schedule_cost
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assess import whole_cycles
+from fatigue_planner.station.assessment import Sensing
+from fatigue_planner.station.bound_experiments import bound_experiments
 from fatigue_planner.station.changes import changed_stations, changes_of
 from fatigue_planner.station.examine import Examined, examine
-from fatigue_planner.station.rotation import best_rotation
+from fatigue_planner.station.rotation import DISCOUNT, best_rotation
+from fatigue_planner.station.sensing import scenario_of, sensing_of, ways_of
 from fatigue_planner.station.statements import headline_of
+from fatigue_planner.study.schedule import start_of
 
 pytestmark = pytest.mark.slow
 
@@ -151,6 +160,39 @@ def test_operations_that_must_all_be_done_make_a_cycle(folder: Path) -> None:
     assert ("three", "roof") in nowhere.best.excluded
 
 
+def test_what_sensing_adds_lies_between_the_schedule_and_the_bound(folder: Path) -> None:
+    places = {"low": {"x": 0.4, "y": -0.1, "z": 0.7}, "high": {"x": 0.35, "y": -0.1, "z": 1.5}}
+    operations = {"one": {"places": ["low", "high"], "seconds": 12, "tool": "gun", "hand": "right"}}
+    workers = {"woman": {"percentile": 50, "sex": "female"}}
+    said = {"places": places, "operations": operations, "workers": workers, "cycle": {"duration_s": 20}}
+    found, cache = examined(folder, **said, ways=["arm", "squat"], binding=[]), store(folder)
+    scenario = scenario_of(found, "woman", cache, "fatplan assess")
+    assert scenario.model.actions == ("0", "1") and scenario.model.outcomes == ("arm", "squat")
+    # what a robot pays that always presents one place, from the motions alone: half of the cycles in each way
+    gains, offsets = scenario.model.arrays.gain, scenario.model.arrays.offset
+    rng, costs = np.random.default_rng(1), []
+    for _ in range(2000):
+        fatigue, cost = np.zeros(gains.shape[1]), 0.0
+        for cycle in range(100):
+            row = int(rng.integers(2))
+            fatigue = gains[row] * fatigue + offsets[row]
+            cost += DISCOUNT**cycle * float(np.sum(fatigue**2)) / len(ENTRIES)
+        costs.append(cost)
+    fixed = float(schedule_cost(start_of(scenario)).costs(np.array([[0]]))[0])
+    assert fixed == pytest.approx(np.mean(costs), abs=4 * np.std(costs) / math.sqrt(len(costs)) + 0.01 * fixed)
+    sensing = sensing_of(found, cache, "fatplan assess")
+    assert sensing is not None and not sensing.certain and sensing == sensing_of(found, cache, "fatplan assess")
+    assert sensing.low <= sensing.saving <= sensing.high and sensing.low <= sensing.most < 0.5
+    # where a way may not be used, the worker takes the best one: nothing is left to see
+    arm = {doing: judged for doing, judged in found.judged.items() if doing.way == "arm"}
+    only = replace(found, judged=arm, places=[replace(each, way="arm") for each in found.places])
+    forced = {doings for row in ways_of(only, "woman") for doings in row}
+    best = {found.doings("woman", {"one": place}) for place in places}
+    assert all(doings[0].way == "arm" or doings in best for doings in forced)
+    single = examined(folder, **said, ways=["arm"], binding=[])
+    assert sensing_of(single, cache, "fatplan assess") == Sensing(0.0, 0.0, 0.0, 0.0, certain=True)
+
+
 def test_a_limit_binds_and_says_so(folder: Path) -> None:
     places = {"low": {"x": 0.35, "y": 0.0, "z": 1.1}, "high": {"x": 0.35, "y": 0.0, "z": 1.15}}
     operations = {"one": {"places": ["low", "high"], "seconds": 2, "tool": "screwdriver"}}
@@ -161,6 +203,8 @@ def test_a_limit_binds_and_says_so(folder: Path) -> None:
     assert all(each.breaches[0].seconds > 2 for each in found.outcomes)
     said = headline_of(found.station, found.places, found.summaries, found.best, ())
     assert "breaks limit 1 of the station at low" in str(said[0])
+    (none,) = bound_experiments(found.station, found.outcomes)
+    assert none.experiment is None and "limit 1 allows 1 s" in none.left_out[1]
 
 
 def test_changes_are_computed(folder: Path) -> None:

@@ -5,13 +5,19 @@ from dataclasses import replace
 import pytest
 from test_station_file import station
 
+from fatigue_planner.cli.assess import capped
 from fatigue_planner.core.executors.processes import LocalProcesses
+from fatigue_planner.ergonomics.result import Phrase
 from fatigue_planner.motion.causes import TRIALS
+from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.station import population_reach
 from fatigue_planner.station.outcomes import Task, classified, simulate_all, tasks_of
+from fatigue_planner.station.population_reach import Question, answered, emptied, questions
+from fatigue_planner.station.statements import MISSED_FAR, NO_JOINT, of_population
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +84,40 @@ def test_where_no_hand_can_be_nothing_is_simulated(tmp_path) -> None:  # type: i
     assert found["roof"].missed_m is not None and 0.3 < found["roof"].missed_m < 0.9
     assert "of the standing worker" in found["chest"].detail and "in the floor" in found["ground"].detail
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_load_that_is_too_heavy_is_no_matter_of_reach(
+    reactions: tuple[Reaction, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Statures from 1.55 m on reach the place; what they can bear there is a share of the strong, or of nobody."""
+    asked: list[tuple[bool, float, float]] = []
+    bears = 50.0
+
+    def reaching(question: Question, stature: float, strength: float = 50.0) -> Motion | None:
+        asked.append((question.is_loaded, stature, strength))
+        can = stature >= 1.55 and (not question.is_loaded or strength >= bears)
+        return reactions[0].motion if can else None
+
+    monkeypatch.setattr(population_reach, "_reaching", reaching)
+    question = next(each for each in questions(station()) if (each.place, each.sex) == ("overhead", "female"))
+    able = answered(question)
+    assert able.shortest_m == pytest.approx(1.55, abs=0.005) and 0.8 < able.share < 1
+    assert all(loaded and strength == 50 for loaded, _, strength in asked)
+    for bears, weakest in ((99.0, able.weakest_joint), (100.0, "")):  # noqa: B007 - read by `reaching`
+        asked.clear()
+        found = answered(question)
+        assert (found.share, found.shortest_m) == (able.share, able.shortest_m)
+        assert found.weakest_joint == weakest and (found.strong_share == 0) == (weakest == "")
+        assert len([each for each in asked if each[0]]) == 2  # the median and the strongest: failing takes long
+        said = [str(phrase) for phrase in of_population([found])]
+        assert "overhead is reached by" in said[0] and "strong enough for overhead" in said[1]
+        assert said[1].startswith("Nobody") == (weakest == "")
+    assert answered(replace(question, station=emptied(question.station))).share == able.share
+
+
+def test_the_terminal_shows_the_first_lines_of_a_kind() -> None:
+    many = [Phrase(MISSED_FAR, {"worker": "anna", "place": f"rack_{i}"}) for i in range(100)]
+    lines = list(capped([*many, Phrase(NO_JOINT)]))
+    assert lines[:2] == ["  anna cannot reach rack_0.", "  anna cannot reach rack_1."]
+    assert lines[-2:] == ["  … and 94 more of this kind, see assess.html.", "  No joint tires."] and len(lines) == 8
+    assert len(list(capped(many[:6]))) == 6

@@ -1,5 +1,7 @@
 """What a station file may say, what it becomes, and how mistakes are told."""
 
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +16,12 @@ from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.motion.action import Orientation
 from fatigue_planner.motion.payload import CarriedMass, HandForce
+from fatigue_planner.station.assessment import Doing, Outcome
+from fatigue_planner.station.bound_experiments import BoundExperiment, bound_experiments
 from fatigue_planner.station.changes import changed_stations
 from fatigue_planner.station.experiments import Part, parts_of
 from fatigue_planner.station.judging import shift_of, stated
+from fatigue_planner.station.limits import Breach
 from fatigue_planner.station.loader import load_station, parse_station
 from fatigue_planner.station.schema import Station
 from fatigue_planner.station.workers import facts_of, worker_of
@@ -78,6 +83,41 @@ def test_a_station_becomes_experiments_that_simulate_takes(tmp_path: Path) -> No
         assert experiment.name == part.experiment.name
 
 
+def test_limits_bind_the_experiments() -> None:
+    """What breaks one is in none of them: most places, then most ways; where nothing is left, there is none."""
+    limits = [{"measure": "upper_arm_elevation", "above_deg": 60, "at_most_s": 1.0}]
+    places = {name: {"x": 0.35, "y": -0.1, "z": z} for name, z in (("low", 0.6), ("door", 1.1), ("high", 1.6))}
+    said = station(places=places, operations={"fit": {"places": list(places), "seconds": 5}}, limits=limits,
+                   workers={"woman": {"percentile": 50, "sex": "female"}}, ways=["arm", "back"])  # fmt: skip
+
+    def bound(**broken: list[str]) -> BoundExperiment:
+        """By place, the ways that break the limit there; all other motions are reached, but for high with the back."""
+        outcomes = []
+        for place, way in product(places, said.ways):
+            found = Outcome(Doing("woman", "fit", place, way), ("right",), "reached")
+            if (place, way) == ("high", "back"):
+                found = replace(found, kind="missed")
+            elif way in broken.get(place, []):
+                found = replace(found, breaches=(Breach(0, 3.0),))
+            outcomes.append(found)
+        (only,) = bound_experiments(said, outcomes)
+        return only
+
+    def kept(found: BoundExperiment) -> tuple[list[str], list[str]]:
+        assert found.experiment is not None
+        return list(found.experiment.actions), list(found.experiment.preferences)
+
+    assert kept(bound()) == (["low", "door", "high"], ["arm", "back"]) and bound().left_out == ()
+    found = bound(high=["arm"])
+    assert kept(found) == (["low", "door"], ["arm", "back"])  # the other way does not reach it
+    why = "upper_arm_elevation above 60 degrees for 3.0 s in a cycle; limit 1 allows 1 s"
+    assert found.left_out == (f"action high: woman at high, arm: {why}",)
+    found = bound(low=["back"], door=["back"])
+    assert kept(found) == (["low", "door", "high"], ["arm"]) and found.left_out[0].startswith("preference back: woman")
+    found = bound(low=["arm", "back"], door=["arm", "back"], high=["arm"])
+    assert found.experiment is None and len(found.left_out) >= 4
+
+
 def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_the_mirror() -> None:
     turned = {"x": 0.4, "y": -0.3, "z": 0.9, "orientation_deg": {"x": 10, "y": -80, "z": 20}}
     said = station(places={"door": turned}, operations={"fit": {"places": "door", "seconds": 25, "tool": "gun"}})
@@ -99,6 +139,20 @@ def test_a_worker_faces_the_place_if_the_feet_are_free_and_the_left_hander_in_th
     assert fixed.left_hand.position_m.y == -0.2
     upper_arms = part_of(said, ("left",)).experiment.preferences["back"].tasks
     assert [task.segment for task in upper_arms] == ["left_upper_arm"]
+
+
+def test_the_centre_of_mass_of_a_tool_goes_with_the_hand() -> None:
+    """As stated in the right hand, in the mirror in the left one; not where two hands hold one thing."""
+    tools = {"drill": {"mass_kg": 2, "centre_of_mass_m": {"x": 0.1, "y": 0.03, "z": -0.02}}}
+    places = {"door": {"x": 0.4, "y": 0, "z": 1}}
+    operation = {"places": "door", "seconds": 10, "tool": "drill"}
+    said = station(places=places, tools=tools, operations={"fit": operation})
+    for side, y in (("right", 0.03), ("left", -0.03)):
+        (mass,) = part_of(said, (side,)).experiment.actions["door"].loads
+        assert isinstance(mass, CarriedMass) and mass.hand == side
+        assert mass.centre_of_mass_m.vector().tolist() == [0.1, y, -0.02]
+    with pytest.raises(ExperimentError, match="fit holds it with both hands"):
+        station(places=places, tools=tools, operations={"fit": operation | {"hand": "both"}})
 
 
 def test_both_hands_share_what_they_hold_and_stand_apart() -> None:
@@ -136,6 +190,19 @@ def test_nearer_is_nearer_whichever_way_the_worker_faces() -> None:
     assert far - near == pytest.approx(0.1, abs=1e-4)
 
 
+def test_the_other_hand_of_either_is_tried_where_it_is_no_mirror_image() -> None:
+    operations = {"fit": {"places": ["overhead", "door", "plug"], "seconds": 25}}
+
+    def tried(**more: Any) -> list[Station]:
+        said = station(operations=operations, **more)
+        return [new for change, new in changed_stations(said) if str(change) == "fit with the other hand"]
+
+    assert tried() == []  # who faces the place would do the same in the mirror
+    (changed,) = tried(feet="fixed")
+    hands = {worker: part.hands for part in parts_of(changed) for worker in part.workers}
+    assert hands == {"small_woman": ("left",), "tall_man": ("left",), "lefty": ("right",)}
+
+
 def test_the_force_of_the_work_is_not_mirrored() -> None:
     """A part that pushes to the left pushes the left-hander, who works in the mirror, to the left, too."""
     tools = {"gun": {"mass_kg": 3, "force_n": {"y": 40}}}
@@ -161,9 +228,14 @@ def test_the_indicators_hear_what_is_stated() -> None:
     assert (stated(said, "fit").coupling, stated(said, "fit").times_per_cycle) == ("poor", 2)
     shift = shift_of(said)
     assert shift.cycle_s == 42 and shift.hours == pytest.approx(7.25)
-    assert (shift.spell_h, shift.break_h) == (pytest.approx(210 / 60), 0)  # from the last break to the end
+    worked = [(60 * spell.work_h, 60 * spell.break_h) for spell in shift.spells]
+    assert worked == [pytest.approx(spell) for spell in ((100, 15), (125, 30), (210, 0))]
+    assert shift.hours == pytest.approx(sum(spell.work_h for spell in shift.spells))
     assert shift_of(said.model_copy(update={"shift": None})).hours is None
-    assert shift_of(station(shift={"hours": 24})).spell_h == 24
+    assert [spell.work_h for spell in shift_of(station(shift={"hours": 24})).spells] == [24]
+    together = [{"at_min": 0, "minutes": 10}, {"at_min": 60, "minutes": 30}, {"at_min": 90, "minutes": 30}]
+    spells = shift_of(station(shift={"hours": 3, "breaks": together})).spells
+    assert [(60 * one.work_h, 60 * one.break_h) for one in spells] == [(50, 60), (60, 0)]
 
 
 @pytest.mark.parametrize(
@@ -221,7 +293,11 @@ def test_a_grid_of_places_is_a_map() -> None:
     names = ["rack_x0.3_z1", "rack_x0.3_z1.2", "rack_x0.3_z1.4", "rack_x0.4_z1", "rack_x0.4_z1.2", "rack_x0.4_z1.4"]
     assert said.operations["fit"].places == ("floor", *names)
     at = said.places["rack_x0.4_z1.2"]
-    assert (at.x, at.y, at.z, at.tool) == (0.4, -0.1, 1.2, "gun")
+    assert (at.x, at.y, at.z, at.tool, at.map) == (0.4, -0.1, 1.2, "gun", "rack")
+    assert said.places["floor"].map is None
+    aside = {"x": 0.4, "y": {"from": -0.2, "to": 0.2, "count": 2}, "z": 1.0}
+    named = station(places={"a-b": aside}, operations={"fit": {"places": "a-b", "seconds": 5}})
+    assert named.operations["fit"].places == ("a-b_ym0.2", "a-b_y0.2")
     single = station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
     assert single.operations["fit"].places == tuple(names)
 
@@ -232,12 +308,22 @@ def test_a_grid_of_places_is_a_map() -> None:
         ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4}}, "places.rack.z.count: is missing. A range is {from: 0.3"),
         ({"x": {"from": 0.3, "to": 0.5, "count": 20}, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 20}},
          "places.rack: its grid has 400 points"),
+        ({"x": 0.3, "y": 0, "z": {"from": 1.0, "to": 1.4, "count": 2}},
+         "places.rack: its grid makes rack_z1.4, a name that another place has."),
     ],
 )  # fmt: skip
 def test_a_faulty_grid_of_places_is_named(rack: dict[str, Any], expected: str) -> None:
     with pytest.raises(ExperimentError) as error:
-        station(places={"rack": rack}, operations={"fit": {"places": "rack", "seconds": 5}})
+        station(places={"rack": rack, "rack_z1.4": {"x": 0.3, "y": 0, "z": 1.4}},
+                operations={"fit": {"places": "rack", "seconds": 5}})  # fmt: skip
     assert expected in str(error.value)
+
+
+def test_a_map_shows_one_place_at_a_point() -> None:
+    at = {"x": 0.3, "y": 0, "z": 1.0, "map": "rack"}
+    with pytest.raises(ExperimentError, match="a is at the same point of map rack"):
+        station(places={"a": at, "b": at}, operations={"fit": {"places": ["a", "b"], "seconds": 5}})
+    station(places={"a": at, "b": at | {"map": "other"}}, operations={"fit": {"places": ["a", "b"], "seconds": 5}})
 
 
 def test_what_init_writes_is_a_station(tmp_path: Path) -> None:

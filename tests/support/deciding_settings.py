@@ -66,7 +66,8 @@ def _experiment() -> Content:
             ]
         },
         "loads": [
-            {"kind": "mass", "hand": "left", "mass_kg": 1.0, "during": ["work"]},
+            {"kind": "mass", "hand": "left", "mass_kg": 1.0, "during": ["work"],
+             "centre_of_mass_m": {"x": 0.1, "y": 0.02, "z": -0.05}},
             {
                 "kind": "force", "hand": "right", "frame": "world",
                 "force_n": [{"cycle_time_s": 0.5, "x": 1.0, "y": 1.0, "z": -5.0}, {"cycle_time_s": 1.0, "z": -6.0}],

@@ -17,19 +17,26 @@ def stretches(values: Sequence[bool]) -> Iterator[range]:
             start = None
 
 
-def iso_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
+def at_rest(values: Sequence[bool], at_work: Sequence[bool]) -> Iterator[range]:
+    """The stretches of the work, or all of it where nothing interrupts it on the ways either."""
+    if all(values):
+        return stretches(values)
+    return stretches([value and works for value, works in zip(values, at_work, strict=True)])
+
+
+def iso_levels(motion: Sequence[Seen], step_s: float, at_work: Sequence[bool]) -> list[int]:
     """The level of each instant, with nothing supported and the shoulders down."""
     levels = [OK] * len(motion)
 
     def never(condition: Callable[[Seen], bool]) -> None:
-        for stretch in stretches([condition(seen) for seen in motion]):
+        for stretch in at_rest([condition(seen) for seen in motion], at_work):
             if len(stretch) * step_s > 4:
                 for index in stretch:
                     levels[index] = NOT
 
     def a_while(angle: str, free: float, most: float, longest_s: float) -> None:
         """Beyond the free angle, up to a time that falls to a minute at the largest and stays so."""
-        for stretch in stretches([free < seen[angle] for seen in motion]):
+        for stretch in at_rest([free < seen[angle] for seen in motion], at_work):
             if len(stretch) * step_s <= 4:
                 continue
             used = 0.0
@@ -60,7 +67,7 @@ def iso_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
     return levels
 
 
-def en_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
+def en_levels(motion: Sequence[Seen], step_s: float, at_work: Sequence[bool]) -> list[int]:
     """The same for EN 1005-4, of a motion that is repeated without a pause."""
     levels = [OK] * len(motion)
     cycle_s = len(motion) * step_s
@@ -71,13 +78,19 @@ def en_levels(motion: Sequence[Seen], step_s: float) -> list[int]:
         by_frequency: tuple[int, int, int],
         moved_beyond: Callable[[Seen], bool] | None = None,
     ) -> None:
-        found = list(stretches([condition(seen) for seen in motion]))
-        movements = list(stretches([(moved_beyond or condition)(seen) for seen in motion]))
-        per_minute = len(movements) / cycle_s * 60
+        inside = [condition(seen) for seen in motion]
+        beyond = [(moved_beyond or condition)(seen) for seen in motion]
+        movements = len(list(stretches(beyond)))
+        if beyond[0] and beyond[-1]:  # the next cycle goes on with it
+            movements -= 1
+        per_minute = movements / cycle_s * 60
         moved = by_frequency[0 if per_minute < 2 else 1 if per_minute < 10 else 2]
-        for stretch in found:
+        for index, is_inside in enumerate(inside):
+            if is_inside:
+                levels[index] = max(levels[index], moved)
+        for stretch in at_rest(inside, at_work):
             for index in stretch:
-                levels[index] = max(levels[index], moved, when_held if len(stretch) * step_s > 4 else OK)
+                levels[index] = max(levels[index], when_held if len(stretch) * step_s > 4 else OK)
 
     far = (NOT, (WHILE, NOT, NOT))
     zone(lambda seen: 20 < seen["trunk"] <= 60, WHILE, (OK, NOT, NOT), lambda seen: seen["trunk"] > 20)

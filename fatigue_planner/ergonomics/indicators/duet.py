@@ -41,7 +41,7 @@ class Duet(Indicator):
 
     def assess(self, job: Job) -> Assessment:
         """See Indicator.assess."""
-        unknown = []
+        unknown = job.uncounted()
         if any(operation.stated.omni_effort is None for operation in job.operations):
             unknown.append(Unknown("omni_effort", 2, RATINGS))
         if job.shift.hours is None:
@@ -50,7 +50,8 @@ class Duet(Indicator):
 
         def doses(side: str, chosen: Mapping[str, Any]) -> list[float]:
             cycles = 3600 * (job.shift.hours or chosen["hours"]) / job.cycle_s
-            return [cycles * dose_per_cycle(one, chosen.get("omni_effort", 0)) for one in job.working_with(side)]
+            taken = chosen.get("omni_effort", 0), chosen.get("actions_per_minute")
+            return [cycles * dose_per_cycle(one, *taken) for one in job.working_with(side)]
 
         sides = [side for side in SIDES if job.working_with(side)]
         value, base, decides = spanned(
@@ -73,21 +74,20 @@ class Duet(Indicator):
             decides=tuple(one for one in decides if one.value > base),
             worst=Moment(worst.name, start, side, "hand and forearm"),
             parts={"dose": sum(own)} | {f"dose of {o.name}": d for o, d in zip(operations, own, strict=True)},
-            remarks=(
-                Phrase("Where actions are not counted, an operation is taken as one effort, the fewest there can be."),
-                Phrase("The method knows no recovery."),
-            ),
+            remarks=(Phrase("The method knows no recovery."),),
         )
 
 
-def dose_per_cycle(operation: Operation, otherwise: float) -> float:
-    """The damage of an operation's efforts in a cycle; `otherwise` is taken where no rating is stated.
+def dose_per_cycle(operation: Operation, otherwise: float, actions_per_minute: float | None = None) -> float:
+    """The damage of an operation's efforts in a cycle; `otherwise` is taken where no rating is stated, and the number
+    of actions where they are not counted.
 
     Between two ratings the damage is taken as linear in the logarithm (assumed; the paper has whole ratings).
     """
     stated = operation.stated
     efforts = stated.times_per_cycle
-    if stated.actions_per_minute:
-        efforts = stated.actions_per_minute / 60 * operation.seconds_per_cycle
+    actions = actions_per_minute if stated.actions_per_minute is None else stated.actions_per_minute
+    if actions:
+        efforts = actions / 60 * operation.seconds_per_cycle
     rating = otherwise if stated.omni_effort is None else stated.omni_effort
     return efforts * float(np.exp(np.interp(rating, np.arange(len(DAMAGE)), np.log(DAMAGE))))

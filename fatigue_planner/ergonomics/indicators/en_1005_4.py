@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.ergonomics.held_posture import HELD_S, HeldPosture, Judged, working
+from fatigue_planner.ergonomics.held_posture import HeldPosture, Judged, holds, working
 from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.posture import runs
 from fatigue_planner.ergonomics.result import Level, Origin, Phrase
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.human.skeleton import SIDES
@@ -51,16 +50,17 @@ class Zone(NamedTuple):
 
     @property
     def entries(self) -> int:
-        """How often the zone is entered from below."""
-        return len(runs(self.inside if self.counted is None else self.counted)[0])
+        """How often the zone is entered in a cycle that is repeated: never if it is not left."""
+        counted = self.inside if self.counted is None else self.counted
+        return int(np.count_nonzero(counted & ~np.roll(counted, 1)))
 
 
 class En10054(HeldPosture):
     """EN 1005-4: seconds per cycle in zones that are not acceptable as they are held or entered so often.
 
     How often is counted over the cycle: a movement is an entry into the zone; what is held and entered so often is
-    judged by the worse of both. If the length of the cycle is not stated, the operations follow each other without a
-    pause.
+    judged by the worse of both, and what lasts through the whole cycle is never entered, only held. If the length of
+    the cycle is not stated, the operations follow each other without a pause.
     """
 
     title: ClassVar[str] = "EN 1005-4"
@@ -69,19 +69,6 @@ class En10054(HeldPosture):
     words: ClassVar[tuple[str, str, str]] = ("acceptable", "conditionally acceptable", "not acceptable")
 
     kind: Literal["en_1005_4"] = Field(default="en_1005_4", description="EN 1005-4, working postures and movements.")
-    visible_deg: float = Field(
-        default=10,
-        gt=0,
-        lt=90,
-        description="From where on a twist, a side bend or an arm behind the body counts, in degrees; 10 is clearly "
-        "visible.",
-    )
-    head_turned_deg: float = Field(
-        default=45,
-        gt=0,
-        lt=90,
-        description="From where on the head counts as turned against the chest, in degrees (recalled).",
-    )
 
     def zones(self, operation: Operation, stated: Circumstances) -> list[Zone]:
         """All zones of an operation."""
@@ -130,7 +117,7 @@ class En10054(HeldPosture):
                 "Twist, side bend and arms behind the body count from {visible:g}°, a turned head from {head:g}°.",
                 {"visible": self.visible_deg, "head": self.head_turned_deg},
             ),
-            Phrase("A movement is an entry into a zone, counted over the cycle."),
+            Phrase("A movement is an entry into a zone, counted over the cycle; what is never left is only held."),
         )
 
 
@@ -139,7 +126,6 @@ def _level(zone: Zone, per_minute: float, operation: Operation) -> NDArray[np.in
     if per_minute >= FREQUENT:
         moved = zone.rule.frequent if per_minute < VERY_FREQUENT else zone.rule.very_frequent
     level = np.where(zone.inside, int(moved), 0)
-    for first, last in zip(*runs(zone.inside), strict=True):
-        if (last - first) * operation.posture.step_s > HELD_S:
-            level[first:last] = max(zone.rule.held, moved)
+    for hold in holds(zone.inside, operation):
+        level[hold] = max(zone.rule.held, moved)
     return level

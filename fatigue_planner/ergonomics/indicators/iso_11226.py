@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fatigue_planner.ergonomics.held_posture import HELD_S, HeldPosture, Judged, working
+from fatigue_planner.ergonomics.held_posture import HELD_S, HeldPosture, Judged, holds, working
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.posture import BACKWARD_DEG, PostureCourse, runs
 from fatigue_planner.ergonomics.result import Level, Origin, Phrase
@@ -90,20 +90,6 @@ class Iso11226(HeldPosture):
     words: ClassVar[tuple[str, str, str]] = ("acceptable", "acceptable for a limited time", "not acceptable")
 
     kind: Literal["iso_11226"] = Field(default="iso_11226", description="ISO 11226:2000, static working postures.")
-    visible_deg: float = Field(
-        default=10,
-        gt=0,
-        lt=90,
-        description="From where on a twist, a side bend, an arm behind or across the body counts, in degrees; the "
-        "standard gives no number, 10 is clearly visible.",
-    )
-    head_turned_deg: float = Field(
-        default=45,
-        gt=0,
-        lt=90,
-        description="From where on the head counts as turned against the chest, in degrees; the standard gives no "
-        "number, 45 is that of EN 1005-4 (recalled).",
-    )
     extreme_share: float = Field(
         default=0.75,
         gt=0,
@@ -162,10 +148,7 @@ class Iso11226(HeldPosture):
     def judged(self, job: Job, stated: Sequence[Circumstances]) -> list[list[Judged]]:
         """See HeldPosture.judged."""
         return [
-            [
-                Judged(zone.part, zone.side, held(zone, operation.posture.step_s))
-                for zone in self.zones(operation, circumstances)
-            ]
+            [Judged(zone.part, zone.side, held(zone, operation)) for zone in self.zones(operation, circumstances)]
             for operation, circumstances in zip(job.operations, stated, strict=True)
         ]
 
@@ -188,19 +171,17 @@ class Iso11226(HeldPosture):
         )
 
 
-def held(zone: Zone, step_s: float) -> Integers:
-    """The level of a zone at every instant, (n,): what lasts for more than 4 s without a break is held.
+def held(zone: Zone, operation: Operation) -> Integers:
+    """The level of a zone at every instant, (n,): see `holds`.
 
     Where the angle changes during a hold, each instant uses up its share of the holding time at its angle (assumed; of
     an angle that stays it is the standard's rule), beyond the largest angle that of the shortest time. A hold that
     uses up more than all is not acceptable.
     """
     level = np.zeros(len(zone.beyond), dtype=np.int64)
-    for first, last in zip(*runs(np.isfinite(zone.holding_s)), strict=True):
-        if (last - first) * step_s > HELD_S:
-            used = float((step_s / np.maximum(zone.holding_s[first:last], SHORTEST_S)).sum())
-            level[first:last] = Level.NOT_ACCEPTABLE if used > 1 else Level.INVESTIGATE
-    for first, last in zip(*runs(zone.beyond), strict=True):
-        if (last - first) * step_s > HELD_S:
-            level[first:last] = Level.NOT_ACCEPTABLE
+    for hold in holds(np.isfinite(zone.holding_s), operation):
+        used = float((operation.posture.step_s / np.maximum(zone.holding_s[hold], SHORTEST_S)).sum())
+        level[hold] = Level.NOT_ACCEPTABLE if used > 1 else Level.INVESTIGATE
+    for hold in holds(zone.beyond, operation):
+        level[hold] = Level.NOT_ACCEPTABLE
     return level

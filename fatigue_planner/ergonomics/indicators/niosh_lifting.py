@@ -183,6 +183,8 @@ def _duration(shift: Shift) -> Duration | None:
     """The class of a shift whose hours are stated; spells and breaks that are not count as none."""
     if shift.hours is None:
         return None
+    if shift.spells:
+        return duration_class([(spell.work_h, spell.break_h) for spell in shift.spells])
     spell_h = min(shift.spell_h or shift.hours, shift.hours)
     sessions = math.ceil(shift.hours / spell_h - 1e-9)
     last_h = shift.hours - spell_h * (sessions - 1)

@@ -38,7 +38,7 @@ class StrainIndex(Indicator):
 
     def assess(self, job: Job) -> Assessment:
         """See Indicator.assess."""
-        unknown = []
+        unknown = job.uncounted()
         if any(operation.stated.effort_share is None for operation in job.operations):
             unknown.append(Unknown("effort_share", 0.0, GRIPS))
         if job.shift.hours is None:
@@ -47,7 +47,9 @@ class StrainIndex(Indicator):
 
         def of_side(side: str, chosen: Mapping[str, Any]) -> float:
             efforts = [
-                effort_of(operation, side, job.cycle_s, chosen.get("effort_share", 0.0))
+                effort_of(
+                    operation, side, job.cycle_s, chosen.get("effort_share", 0.0), chosen.get("actions_per_minute")
+                )
                 for operation in job.working_with(side)
             ]
             return composite_index(efforts, job.shift.hours or chosen["hours"]) if efforts else 0.0
@@ -70,15 +72,14 @@ class StrainIndex(Indicator):
             decides=tuple(one for one in decides if one.value > base),
             worst=Moment(working_there[which].name, start, side, "hand and wrist"),
             parts=efforts[which]._asdict(),
-            remarks=(
-                Phrase("Intensity is the larger of the grip and the wrist's load; the grip is not simulated."),
-                Phrase("Where actions are not counted, an operation is taken as one effort of its work phase."),
-            ),
+            remarks=(Phrase("Intensity is the larger of the grip and the wrist's load; the grip is not simulated."),),
         )
 
 
-def effort_of(operation: Operation, side: str, cycle_s: float, grip: float) -> Effort:
-    """The effort of a hand in an operation; `grip` is taken where none is stated."""
+def effort_of(
+    operation: Operation, side: str, cycle_s: float, grip: float, actions_per_minute: float | None = None
+) -> Effort:
+    """The effort of a hand in an operation; `grip` and the number of actions are taken where none is stated."""
     stated, seen = operation.stated, operation.posture
     at_work = working(operation)
     wrist = [DEGREES_OF_FREEDOM.index(f"{side}_{name}") for name in ("wrist_flexion", "wrist_deviation")]
@@ -88,9 +89,10 @@ def effort_of(operation: Operation, side: str, cycle_s: float, grip: float) -> E
     worst = max(bent.tolist(), key=posture_multiplier)
     work = operation.motion.phase("work")
     work_s = (work.stop - work.start) * operation.motion.time_step_s
-    if stated.actions_per_minute:
-        per_cycle = stated.actions_per_minute / 60 * operation.seconds_per_cycle
-        duration_s = stated.effort_s or min(work_s, 60 / stated.actions_per_minute)
+    actions = actions_per_minute if stated.actions_per_minute is None else stated.actions_per_minute
+    if actions:
+        per_cycle = actions / 60 * operation.seconds_per_cycle
+        duration_s = stated.effort_s or min(work_s, 60 / actions)
     else:
         per_cycle, duration_s = stated.times_per_cycle, stated.effort_s or work_s
     return Effort(

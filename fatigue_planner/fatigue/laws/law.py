@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.plugins import Registry
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.fatigue.model import CycleProfile, Flows, TickProfile
+from fatigue_planner.fatigue.model import CycleProfile, Flows, Rest, TickProfile
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -59,10 +59,19 @@ class FatigueLaw(Settings):
         """The profile of a cycle whose loads (T, 78) each hold for a time step."""
         return TickProfile.of(self.flows(share, rates), time_step_s, rates.fatigue_rate, rates.recovery_rate)
 
+    def rest(self, rates: Rates) -> Rest:
+        """What time without load does."""
+        flows = self.flows(np.zeros((1, rates.threshold.size)), rates)
+        return Rest(
+            rates.fatigue_rate * flows.tiring[0],
+            rates.fatigue_rate * flows.slowing[0],
+            rates.recovery_rate * flows.recovering[0],
+        )
+
     def rest_rate(self, rates: Rates) -> Vector:
         """How fast fatigue fades at rest, in 1/s, (78,)."""
-        flows = self.flows(np.zeros((1, rates.threshold.size)), rates)
-        return np.asarray(rates.fatigue_rate * flows.slowing[0] + rates.recovery_rate * flows.recovering[0])
+        rest = self.rest(rates)
+        return np.asarray(rest.slowing + rest.recovering)
 
     def endurance_s(self, share: float, rates: Rates) -> Vector:
         """How long a rested entry can hold a load, as a fraction of its strength, in s, (78,): until f = 1 - share.

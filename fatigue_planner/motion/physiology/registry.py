@@ -11,6 +11,7 @@ import numpy as np
 from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
 from fatigue_planner.motion.physiology.clearance import Clearance
 from fatigue_planner.motion.physiology.end_zones import EndZones
+from fatigue_planner.motion.physiology.facing import Facing
 from fatigue_planner.motion.physiology.gaze import Gaze
 from fatigue_planner.motion.physiology.hand_turn import HandTurn
 from fatigue_planner.motion.physiology.hanging_arm import HangingArm
@@ -24,6 +25,7 @@ PIECES: dict[HumanKind, tuple[type[Piece] | type[Bearer], ...]] = {
     "paper": (),
     "natural": (
         RangeWeights,
+        Facing,
         WayHome,
         EndZones,
         PassiveTissue,

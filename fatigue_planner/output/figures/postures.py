@@ -197,7 +197,9 @@ def filmstrip(clips: Sequence[MotionClip], times_s: Sequence[float]) -> Figure:
             panel.set_axis_off()
         fit_panels(panels[: len(times)], clip.human)
         title = wrapped(
-            format_label(clip.title) + (" (implausible)" if clip.remarks else ""), 2.0, SETTINGS["font.size"]
+            format_label(str(clip.name)) + (" (implausible)" if clip.verdict == "implausible" else ""),
+            2.0,
+            SETTINGS["font.size"],
         )
         panels[0].text(-0.06, 0.5, title, transform=panels[0].transAxes, rotation=90, va="center")
     draw_load_scale(figure, axes[-1], discs, 0.8)

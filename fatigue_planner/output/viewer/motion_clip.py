@@ -14,9 +14,10 @@ from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.minimum_jerk import Pose
 from fatigue_planner.motion.motion import Motion
+from fatigue_planner.motion.quality import Verdict
 from fatigue_planner.motion.schedule import Run, runs_of
 from fatigue_planner.motion.settings import Side
-from fatigue_planner.reactions.reaction import Reaction, ReactionRequest
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -55,10 +56,10 @@ class MotionClip:
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
     have a goal; `strength_nm` (T or 1, 78) that of `ENTRIES`; `objects` the poses at which the robot
-    presents the object, one per hand and waypoint; `remarks` what there is to say of the motion, as `simulate` does.
+    presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion.
     """
 
-    title: str
+    name: ReactionName
     human: Human
     bodies: tuple[Human, ...]
     runs: tuple[Run, ...]
@@ -66,6 +67,7 @@ class MotionClip:
     motion: Motion
     strength_nm: Matrix
     objects: tuple[Pose, ...]
+    verdict: Verdict
     remarks: tuple[str, ...] = ()
 
     @property
@@ -117,14 +119,15 @@ def motion_clip_of(request: ReactionRequest, reaction: Reaction, parameters: Fat
     home = Pose(np.zeros(3), np.eye(3))  # for the orientation of objects that may be taken in any
     goals = settings.action.goals()
     return MotionClip(
-        title=str(reaction.name),
+        name=reaction.name,
         human=human,
-        bodies=tuple(build_human(settings.worker, run.right_kg, run.left_kg) for run in runs),
+        bodies=tuple(run.human(settings.worker) for run in runs),
         runs=runs,
         working=tuple(goals),
         motion=motion,
         strength_nm=strength_nm(motion, parameters),
         objects=tuple(waypoint.pose(home) for goal in goals.values() for waypoint in goal.path()),
+        verdict=reaction.quality.kept_as(),
         remarks=tuple(reaction.quality.remarks()),
     )
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.core.errors import ProblemError
 from fatigue_planner.core.jit import specialised
@@ -53,6 +53,43 @@ class Belief(ABC):
 
         Raises IndexError for an action or observation that the problem does not have.
         """
+
+    def predict(self, action: int, rng: np.random.Generator, *, duration_s: float | None = None) -> "Belief":
+        """The belief after an action of which nothing was seen: every outcome is as likely as the model has it.
+
+        See `weigh`, of which it is the case that all likelihoods are equal.
+        """
+        return self.weigh(action, np.ones(len(self.model.outcomes)), rng, duration_s=duration_s)
+
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> "Belief":
+        """The belief after an action and soft evidence: how likely what was sensed is, given each outcome, (K,).
+
+        Only ratios count; the column P(o | u) of `recognition` says what the observation o does. Evidence for what the
+        model rules out widens the belief, as in `update`. duration_s: how long the cycle took, if not as planned (see
+        `pomdp.timing`).
+
+        However many cycles it goes on, the belief does not grow, as that by `update` may.
+
+        Raises IndexError for an action that the problem does not have, and ProblemError for what is no likelihood or
+        duration, if the problem's cycles have none, or if a belief of this kind takes no soft evidence.
+        """
+        raise ProblemError(
+            f"{type(self).__name__} has no `weigh`: it can take neither soft evidence nor a cycle that was not seen."
+        )
+
+    def rest(self, seconds: float) -> "Belief":
+        """The belief after a pause: exact, for every possible worker's own rates. rest(a).rest(b) is rest(a + b).
+
+        Raises ProblemError for what is no time, if the problem does not say what rest does, or if a belief of this kind
+        knows no rest.
+        """
+        raise ProblemError(f"{type(self).__name__} has no `rest`: it knows nothing of pauses.")
+
+    def warm_up(self) -> None:
+        """Compile what `predict` and `weigh` will ever need, by trying it: seconds, where nothing is compiled yet."""
+        self.predict(0, np.random.default_rng(0))
 
     def expected_rewards(self) -> Vector:
         """Expected reward of every action for one cycle, (A,); -inf where a possible state forbids it.

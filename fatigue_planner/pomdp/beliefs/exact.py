@@ -5,13 +5,16 @@ observation reveals the outcome (paper, section III-B), or where different histo
 """
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fatigue_planner.core.jit import inlined, specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
+from fatigue_planner.pomdp.beliefs.bounded import bounded
 from fatigue_planner.pomdp.problem import Observation, Vector, advance, observation_probability, outcome_probabilities
 
 # No state that remains possible is forgotten, however unlikely: it is what remains if the others turn out to be
@@ -42,14 +45,47 @@ class ExactBelief(Belief):
         if permitting is not self:
             return permitting.update(action, observation, rng)
         self.model.check_again(self.states, action)
-        kernel = specialised(bayes, **self.model.belief_parts)
+        states, weights, surprised = self._explaining(self.model.belief_parts, self.model.arrays, action, observation)
+        if weights.size > self.weights.size:
+            states, group = np.unique(states, axis=0, return_inverse=True)
+            weights = np.asarray(np.bincount(group.ravel(), weights), float)
+        normalise(weights)
+        return ExactBelief(self.model, states, weights, surprised)
+
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> Self:
+        """See Belief.weigh. States closer than EQUAL_FATIGUE are merged, more than MAX_STATES thinned (see `bounded`).
+
+        `rng` is only used for that.
+        """
+        model = self.model
+        likelihood, pace = model.check_likelihood(action, likelihood), model.pace(duration_s)
+        permitting = self.permitting(action)
+        model.check_again(permitting.states, action)
+        arrays = model.evidence_arrays(pace.share)
+        states, weights, surprised = permitting._explaining(model.evidence_parts, arrays, action, likelihood)
+        states, weights = bounded(model, states, weights, rng)
+        if pace.rest_s > 0:
+            states = model.rested(states, pace.rest_s)
+        return replace(self, states=states, weights=weights, surprised=surprised)
+
+    def rest(self, seconds: float) -> Self:
+        """See Belief.rest."""
+        return replace(self, states=self.model.rested(self.states, seconds))
+
+    def _explaining(
+        self, parts: Mapping[str, Any], arrays: Any, action: int, evidence: Any
+    ) -> tuple[Array, Vector, bool]:
+        """The states that explain the evidence, their weights, of which the largest is 1, and if it was a surprise."""
+        kernel = specialised(bayes, **parts)
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states, log_weights = kernel(
-                self.model.arrays,
+                arrays,
                 self.states,
                 self.weights,
                 action,
-                observation,
+                evidence,
                 len(self.model.outcomes),
                 trust_outcome,
                 trust_observation,
@@ -57,12 +93,7 @@ class ExactBelief(Belief):
             if log_weights.size:
                 break
         relative_weights(log_weights)
-        weights = log_weights
-        if weights.size > self.weights.size:
-            states, group = np.unique(states, axis=0, return_inverse=True)
-            weights = np.bincount(group.ravel(), weights)
-        normalise(weights)
-        return ExactBelief(self.model, states, weights, not (trust_outcome and trust_observation))
+        return states, log_weights, not (trust_outcome and trust_observation)
 
 
 @inlined

@@ -1,13 +1,15 @@
 """The particle filter over fatigue and the worker's hidden parameters."""
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fatigue_planner.core.jit import compiled
-from fatigue_planner.pomdp.beliefs.particles import MIN_PROBABILITY, History, ParticleBelief
-from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, Workers, preference_probabilities, react
+from fatigue_planner.pomdp.beliefs.forgotten import Forgotten, design, fitted
+from fatigue_planner.pomdp.beliefs.history import History, evidence_again, lived_by, relive
+from fatigue_planner.pomdp.beliefs.particles import ParticleBelief
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 
 Vector = NDArray[np.float64]
@@ -17,6 +19,13 @@ Array = NDArray[np.float64]
 # Proposals change a worker's quantile by up to 0.5, or by as little as this times that: the sizes are spread evenly
 # over the orders of magnitude, so that some fit however much is known.
 MIN_STEP = 1e-3
+# Cycles pass into `History.forgotten` by so many.
+BLOCK = 100
+# Particles of the filters that find out what they told.
+FILTER = 32
+# Cycles are forgotten one by one when less than this is left of the fatigue before them, or MAX_REMEMBERED later.
+REMNANT = 1e-6
+MAX_REMEMBERED = 400
 
 
 @dataclass(frozen=True)
@@ -52,6 +61,58 @@ class HiddenWorkerBelief(ParticleBelief):
         """Every particle's worker, (n,)."""
         return self.model.workers.pick(self.states[:, -1].astype(np.intp))
 
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> "HiddenWorkerBelief":
+        """See Belief.weigh; the history stays bounded."""
+        after = super().weigh(action, likelihood, rng, duration_s=duration_s)
+        assert isinstance(after, HiddenWorkerBelief)
+        return after.settling(rng)
+
+    def warm_up(self) -> None:
+        """See Belief.warm_up."""
+        super().warm_up()
+        rng = np.random.default_rng(0)
+        self._told_by(self.weigh(0, np.ones(len(self.model.outcomes)), rng).history, rng)
+
+    def settling(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
+        """The belief whose history remembers a bounded number of cycles one by one, and of the others what they told.
+
+        Of 2 * BLOCK cycles in the likelihood, the first half is settled: it goes into `History.forgotten`. Of settled
+        cycles, only those are kept that the fatigue has not forgotten.
+        """
+        history = self.history
+        if history.actions.size - history.settled < 2 * BLOCK:
+            return self
+        settled = history.settled + BLOCK
+        told = self._told_by(history.first(settled), rng)
+        forgotten = told if history.forgotten is None else history.forgotten.and_then(told)
+        gone = max(0, settled - self._cycles_to_forget())
+        start = history.start.copy()
+        relive(self.model, start, history.first(gone))
+        history = replace(history, settled=settled, forgotten=forgotten).without(gone, start)
+        log_likelihood = relive(self.model, start.copy(), history)
+        return replace(self, history=replace(history, log_likelihood=log_likelihood))
+
+    def _told_by(self, history: History, rng: np.random.Generator) -> Forgotten:
+        """What the cycles since a history settled tell about the worker."""
+        quantiles = self.quantiles[self.states[:, -1].astype(np.intp)]
+        blocks = 0 if history.forgotten is None else history.forgotten.blocks
+        quantiles = design(self.prior, quantiles, self.weights, blocks + 2, rng)
+        model = self.model.for_workers(self.prior.at(quantiles))
+        chosen = rng.choice(len(self.weights), FILTER, p=self.weights)
+        uniforms = rng.random((history.actions.size, FILTER + 1))
+        past = lived_by(model, history.pick(chosen))
+        values = evidence_again(model.arrays, past, history.start[chosen], uniforms, len(model.outcomes))
+        return fitted(self.prior, quantiles, values)
+
+    def _cycles_to_forget(self) -> int:
+        """After how many cycles the most enduring fatigue of any of the workers is a REMNANT of what it was."""
+        slowest = float(self.model.arrays.gain.max())
+        if slowest >= REMNANT ** (1 / MAX_REMEMBERED):
+            return MAX_REMEMBERED
+        return math.ceil(math.log(REMNANT) / math.log(slowest)) if slowest > 0 else 1
+
     def rejuvenated(self, rng: np.random.Generator) -> "HiddenWorkerBelief":
         """Particles with new workers: resample-move (Gilks & Berzuini 2001), which leaves the posterior unchanged.
 
@@ -72,9 +133,12 @@ class HiddenWorkerBelief(ParticleBelief):
             proposed = quantiles.copy()
             proposed[:, column] = (quantiles[:, column] + step) % 1 % 1  # -1e-20 % 1 is 1
             moved = start.copy()
-            arrays = self.model.for_workers(self.prior.at(proposed)).arrays
-            likelihood = relive(arrays, moved, history.actions, history.outcomes, len(self.model.outcomes))
-            accepted = rng.random(count) < np.exp(np.minimum(likelihood - log_likelihood, 0))
+            likelihood = relive(self.model.for_workers(self.prior.at(proposed)), moved, history)
+            gained = likelihood - log_likelihood
+            if history.forgotten is not None:
+                gained += history.forgotten.log_likelihood(self.prior, proposed)
+                gained -= history.forgotten.log_likelihood(self.prior, quantiles)
+            accepted = rng.random(count) < np.exp(np.minimum(gained, 0))
             quantiles = np.where(accepted[:, None], proposed, quantiles)
             states = np.where(accepted[:, None], moved, states)
             log_likelihood = np.where(accepted, likelihood, log_likelihood)
@@ -85,18 +149,3 @@ class HiddenWorkerBelief(ParticleBelief):
             states=states,
             history=replace(history, start=start, log_likelihood=log_likelihood),
         )
-
-
-@compiled
-def relive(
-    arrays: FatigueArrays, states: Array, actions: NDArray[np.int64], outcomes: NDArray[np.int16], n_outcomes: int
-) -> Vector:
-    """Take states (n, L) in place through actions (t,) and outcomes (n, t); log of the outcomes' probability (n,)."""
-    log_likelihood = np.zeros(len(states))
-    probabilities = np.empty(n_outcomes)
-    for i in range(len(states)):
-        for t in range(actions.size):
-            preference_probabilities(arrays, states[i], actions[t], probabilities)
-            log_likelihood[i] += np.log(max(probabilities[outcomes[i, t]], MIN_PROBABILITY))
-            react(arrays, states[i], actions[t], outcomes[i, t])
-    return log_likelihood

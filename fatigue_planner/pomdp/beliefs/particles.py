@@ -4,14 +4,16 @@ Resampling leads to particle deprivation, the loss of distinct particles. So par
 them carry the weight, and a belief in a hidden worker moves them afterwards (resample-move, see `hidden_worker`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
+from fatigue_planner.pomdp.beliefs.history import MIN_PROBABILITY, History
 from fatigue_planner.pomdp.problem import (
     Observation,
     Pomdp,
@@ -21,44 +23,10 @@ from fatigue_planner.pomdp.problem import (
     observation_probability,
     outcome_probabilities,
 )
+from fatigue_planner.pomdp.timing import AS_PLANNED, Pace
 
 # Resample where the effective sample size is below this fraction of the particles (the usual choice).
 MIN_EFFECTIVE_FRACTION = 0.5
-# The probability in a particle's past of an outcome that was seen although the particle holds it impossible.
-MIN_PROBABILITY = 1e-300
-
-
-@dataclass(frozen=True)
-class History:
-    """What rejuvenation needs to know about the past.
-
-    start (n, L): where each particle began; actions (t,); outcomes (n, t); log_likelihood (n,): the log of
-    the outcomes' probability
-    """
-
-    start: Array
-    actions: NDArray[np.int64]
-    outcomes: NDArray[np.int16]
-    log_likelihood: Vector
-
-    @staticmethod
-    def begin(states: Array) -> "History":
-        """The history before the first cycle."""
-        count = len(states)
-        return History(states, np.zeros(0, np.int64), np.zeros((count, 0), np.int16), np.zeros(count))
-
-    def then(self, action: int, outcomes: NDArray[np.int16], log_likelihood: Vector) -> "History":
-        """The history with one more cycle, whose outcomes alone have this log_likelihood."""
-        return History(
-            self.start,
-            np.append(self.actions, action),
-            np.column_stack([self.outcomes, outcomes]),
-            self.log_likelihood + log_likelihood,
-        )
-
-    def pick(self, chosen: NDArray[np.intp]) -> "History":
-        """The past of some of the particles."""
-        return History(self.start[chosen], self.actions, self.outcomes[chosen], self.log_likelihood[chosen])
 
 
 @dataclass(frozen=True)
@@ -95,16 +63,48 @@ class ParticleBelief(Belief):
         if permitting is not self:
             return permitting.update(action, observation, rng)
         self.model.check_again(self.states, action)
-        kernel = specialised(move_particles, **self.model.belief_parts)
-        uniforms = rng.random(len(self.weights))
+        return self._moved(self.model.belief_parts, self.model.arrays, action, observation, rng)
+
+    def weigh(
+        self, action: int, likelihood: ArrayLike, rng: np.random.Generator, *, duration_s: float | None = None
+    ) -> "ParticleBelief":
+        """See Belief.weigh."""
+        model = self.model
+        likelihood, pace = model.check_likelihood(action, likelihood), model.pace(duration_s)
+        permitting = self.permitting(action)
+        model.check_again(permitting.states, action)
+        arrays = model.evidence_arrays(pace.share)
+        return permitting._moved(model.evidence_parts, arrays, action, likelihood, rng, pace)
+
+    def rest(self, seconds: float) -> Self:
+        """See Belief.rest."""
+        states = self.model.rested(self.states, seconds)
+        return replace(self, states=states, history=self.history and self.history.resting(seconds))
+
+    def warm_up(self) -> None:
+        """See Belief.warm_up."""
+        rng = np.random.default_rng(0)
+        self.weigh(0, np.ones(len(self.model.outcomes)), rng).resampled(rng)
+
+    def _moved(
+        self,
+        parts: Mapping[str, Any],
+        arrays: Any,
+        action: int,
+        evidence: Any,
+        rng: np.random.Generator,
+        pace: Pace = AS_PLANNED,
+    ) -> "ParticleBelief":
+        kernel = specialised(move_particles, **parts)
+        uniforms, n_outcomes = rng.random(len(self.weights)), len(self.model.outcomes)
         for trust_outcome, trust_observation in ((True, True), (False, True), (True, False)):
             states = self.states.copy()
             outcomes, log_outcome, log_likelihood = kernel(
-                self.model.arrays,
+                arrays,
                 states,
                 action,
-                observation,
-                len(self.model.outcomes),
+                evidence,
+                n_outcomes,
                 trust_outcome,
                 trust_observation,
                 uniforms,
@@ -115,17 +115,26 @@ class ParticleBelief(Belief):
         log_weights -= log_weights.max()
         weights = np.exp(log_weights)
         surprised = not (trust_outcome and trust_observation)
+        history = self.history
+        if history is not None:
+            likelihood = self._likelihood(evidence) if trust_observation else np.ones(n_outcomes)
+            history = history.then(action, outcomes, likelihood, log_outcome, pace)
         belief = replace(
             self,
-            states=states,
+            states=self.model.rested(states, pace.rest_s) if pace.rest_s > 0 else states,
             weights=weights / weights.sum(),
             log_weights=log_weights,
             surprised=surprised,
-            history=self.history and self.history.then(action, outcomes, log_outcome),
+            history=history,
         )
         if surprised or belief.effective_size() < MIN_EFFECTIVE_FRACTION * len(weights):
             return belief.resampled(rng)
         return belief
+
+    def _likelihood(self, evidence: Any) -> Vector:
+        """The likelihood of every outcome (U,) in the fatigue problem, the only one of which a history is recorded."""
+        observed = isinstance(evidence, int | np.integer)
+        return np.asarray(self.model.arrays.observation[:, evidence] if observed else evidence)
 
     def among(self, chosen: NDArray[np.bool_]) -> Self:
         """See Belief.among."""

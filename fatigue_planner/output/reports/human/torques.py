@@ -126,7 +126,7 @@ def mid_work(reaction: Reaction) -> dict[LoadedJoint, JointLoad]:
     tick, side = motion.middle("work"), tool_hand(request.tool, request.action)
     runs = runs_of(request.tool, request.action, motion.phases)
     run = next(run for run in runs if run.start <= tick < run.stop)
-    model = build_human(request.worker, run.right_kg, run.left_kg).model
+    model = run.human(request.worker).model
     rest = np.zeros(model.nv)
     moving, still = model.createData(), model.createData()
     pin.rnea(model, moving, motion.configuration[tick], motion.velocity[tick], motion.acceleration[tick])

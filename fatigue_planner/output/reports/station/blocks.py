@@ -1,4 +1,4 @@
-"""What a station's page is made of besides texts and tables: groups of sentences, and pictures beside each other."""
+"""What a station's page is made of besides texts and tables: groups of sentences, pictures, and maps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +31,16 @@ class PostureRow:
     figures: Sequence[Markup]
 
 
-AnyBlock = Block | Groups | PostureRow
+@dataclass(frozen=True)
+class Map:
+    """A picture of places: what it shows in words, its SVG, and what its signs mean."""
+
+    words: str
+    svg: Markup
+    legend: Sequence[str]
+
+
+AnyBlock = Block | Groups | PostureRow | Map
 
 
 @dataclass(frozen=True)

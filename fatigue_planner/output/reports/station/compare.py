@@ -1,6 +1,6 @@
 """Two assessments of a station side by side: what got better and what got worse, in the words of its page."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -17,6 +17,8 @@ from fatigue_planner.station.statements import joint_name
 # Fatigue that differs by less than half of the last digit that is shown is the same.
 SAME_PEAK = 0.005
 BETTER, SAME, WORSE, ONLY = "better", "the same", "worse", "in one of them only"
+# The words for before and for after: who is called the same may be another worker.
+Both = tuple[Wording, Wording]
 # Beyond any level: a place that nobody reaches, or a cycle that a worker cannot do.
 _NOBODY = max(Level) + 1
 
@@ -44,34 +46,47 @@ class StationComparison:
 
 def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: Catalogue) -> StationComparison:
     """What tells two assessments apart. Workers and places are the same if their names are."""
-    workers = {each.name: each for each in (*before.workers, *after.workers)}
-    wording = Wording(texts, list(workers.values()))
+    names = list(dict.fromkeys(each.name for each in (*before.workers, *after.workers)))
+    both = (Wording(texts, before.workers), Wording(texts, after.workers))
+    labels = {name: _label(name, before, after, *both) for name in names}
     old, new = ({(each.operation, each.place): each for each in found.summaries} for found in (before, after))
     was, now = ({each.worker: each for each in found.cycles} for found in (before, after))
     return StationComparison(
         before,
         after,
-        wording,
-        tuple(_place_row(wording, key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])),
-        tuple(_cycle_row(wording, name, was.get(name), now.get(name)) for name in workers),
-        differences(*(flat(_settings_of(found, wording)) for found in (before, after))),
+        both[1],
+        tuple(_place_row(both, key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])),
+        tuple(_cycle_row(both, labels[name], was.get(name), now.get(name)) for name in names),
+        differences(*(flat(_settings_of(found, labels)) for found in (before, after))),
     )
 
 
-def _settings_of(found: StoredAssessment, wording: Wording) -> dict[str, Any]:
+def _label(name: str, before: StoredAssessment, after: StoredAssessment, old: Wording, new: Wording) -> str:
+    """What a worker is called: as before and as after, where the worker of this name is another one now."""
+    found = [
+        wording.worker(name)
+        for wording, assessment in ((old, before), (new, after))
+        if name in {each.name for each in assessment.workers}
+    ]
+    return " → ".join(dict.fromkeys(found))
+
+
+def _settings_of(found: StoredAssessment, labels: Mapping[str, str]) -> dict[str, Any]:
     """What decides of a station file; workers are called as on the page."""
     settings = {key: value for key, value in found.station.items() if key not in ("name", "about")}
-    return settings | {"workers": {wording.worker(name): each for name, each in settings.get("workers", {}).items()}}
+    return settings | {"workers": {labels[name]: each for name, each in settings.get("workers", {}).items()}}
 
 
-def _place_row(wording: Wording, key: tuple[str, str], before: StoredPlace | None, after: StoredPlace | None) -> Row:
-    words = ["–" if each is None else _place_words(wording, each) for each in (before, after)]
-    return Row(tuple(map(wording.name, key)), words[0], words[1], _place_verdict(before, after))
+def _place_row(both: Both, key: tuple[str, str], before: StoredPlace | None, after: StoredPlace | None) -> Row:
+    words = [
+        "–" if each is None else _place_words(mine, each) for mine, each in zip(both, (before, after), strict=True)
+    ]
+    return Row(tuple(map(both[1].name, key)), words[0], words[1], _place_verdict(before, after))
 
 
-def _cycle_row(wording: Wording, name: str, before: StoredCycle | None, after: StoredCycle | None) -> Row:
-    words = [_cycle_words(wording, each) for each in (before, after)]
-    return Row((wording.worker(name),), words[0], words[1], _cycle_verdict(before, after))
+def _cycle_row(both: Both, label: str, before: StoredCycle | None, after: StoredCycle | None) -> Row:
+    words = [_cycle_words(mine, each) for mine, each in zip(both, (before, after), strict=True)]
+    return Row((label,), words[0], words[1], _cycle_verdict(before, after))
 
 
 def _place_words(wording: Wording, found: StoredPlace) -> str:

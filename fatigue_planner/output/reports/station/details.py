@@ -6,6 +6,7 @@ from fatigue_planner.core.text import format_label
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station import filled_in, front, judgements
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Part, PostureRow, table
+from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.station import statements
@@ -18,7 +19,7 @@ def details(assessment: StationAssessment, postures: Mapping[Doing, Posture], wo
     say = wording.say
     yield Part(say("Workers"), [_workers(assessment, wording)])
     yield Part(say("Operations and places"), list(_station(assessment, wording)))
-    yield Part(say("All places"), [front.places(assessment, wording)])
+    yield Part(say("All places"), [*maps(assessment, wording), front.places(assessment, wording)])
     yield Part(say("Who can do what"), [_outcomes(assessment, wording), *_left_out(assessment, wording)])
     yield Part(say("The cycle as a whole"), list(judgements.cycles(assessment, wording)))
     yield Part(say("Indicators by place"), list(judgements.by_place(assessment, wording)))
@@ -182,7 +183,7 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
         header = ["Change", "Recommended after it", "Fatigue saved", "Saved over all places",
                   "Highest fatigue after it", "Places reached by all", "Places allowed"]  # fmt: skip
         yield table(wording, "What one change alone would do, each computed.", header, rows)
-    yield from (Text(wording.sentence(each)) for each in statements.of_rotation(assessment.rotation))
+    yield from (Text(wording.sentence(each)) for each in front.planning(assessment))
 
 
 def _pictures(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> Iterator[AnyBlock]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Groups, Part, PostureRow
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
@@ -103,7 +103,6 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
     headline = assessment.headline
     cannot = [wording.sentence(each) for each in headline if each.template in CANNOT]
     forbidden = [wording.sentence(each) for each in headline if each.template in FORBIDDEN]
-    forbidden += list(_cycles_not_acceptable(assessment, wording))
     tired = [wording.sentence(each) for each in headline if each.template in TIRED]
     others = [each for each in headline if each.template not in {*CANNOT, *FORBIDDEN, *TIRED}]
     compared = [wording.sentence(each) for each in others if each.template == statements.COMPARED]
@@ -123,22 +122,16 @@ def _at_most(items: list[str], wording: Wording) -> list[str]:
     return items if more <= 0 else [*items[:MOST], wording.say("{more} more: see the details.", more=more)]
 
 
-def _cycles_not_acceptable(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """Recommended places whose cycle as a whole is not acceptable, though each of them is."""
-    for cycle in assessment.cycles:
-        if cycle.recommended and cycle.level == Level.NOT_ACCEPTABLE:
-            titles = [each.title for each in cycle.judgements.values() if each.levels and each.levels[0] == cycle.level]
-            yield wording.say(
-                "The recommended cycle as a whole is not acceptable for {worker} by {rules}.",
-                worker=wording.worker(cycle.worker),
-                rules=", ".join(map(wording.catalogue.term, titles)),
-            )
-
-
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
-    """The changes that help most, and what another place in every cycle does."""
+    """The changes that help most, and what planning does."""
     yield from (f"{changed(each, wording)}." for each in assessment.changes[:MOST_CHANGES])
-    yield from map(wording.sentence, statements.of_rotation(assessment.rotation))
+    yield from map(wording.sentence, planning(assessment))
+
+
+def planning(assessment: StationAssessment) -> Iterator[Phrase]:
+    """What another place in every cycle does, and what planning with sensing adds to it."""
+    yield from statements.of_rotation(assessment.rotation)
+    yield from statements.of_sensing(assessment.station, assessment.best, assessment.sensing)
 
 
 def changed(change: Change, wording: Wording) -> str:

@@ -1,0 +1,144 @@
+"""`fatplan live`: what to do with the journal of a shift."""
+
+import json
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from fatigue_planner.cli import options
+from fatigue_planner.cli.progress import talk, warn
+from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
+from fatigue_planner.core.text import counted
+
+app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
+
+JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+
+
+@app.command(epilog=options.EXIT_CODES)
+def serve(
+    experiment: options.ExperimentFile,
+    journal: Annotated[Path, typer.Option("--journal", help="The journal; one that is there is gone on with.")] = Path(
+        "shift.fatplan"
+    ),
+    condition: Annotated[
+        str | None, typer.Option("--condition", help="Condition of the experiment's benchmark. Default: the first.")
+    ] = None,
+    policy: Annotated[
+        str | None,
+        typer.Option("--policy", help="Policy of the experiment's benchmark. Default: an exact lookahead of 2 cycles."),
+    ] = None,
+    deadline_s: Annotated[float, typer.Option("--deadline", help="Seconds after which an answer is late.")] = 0.05,
+    safe_action: Annotated[
+        str | None, typer.Option("--safe-action", help="Action if nothing else decides. Default: the most ergonomic.")
+    ] = None,
+    host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    plugins: options.Plugins = None,
+) -> None:
+    """Run a shift of an EXPERIMENT beside a robot: HTTP and JSON on this machine, and a page for operators.
+
+    Two tokens, to look and to act, are written beside the journal, into files that only you can read.
+    """
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
+    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.live.face.guard import Tokens
+    from fatigue_planner.live.face.server import bound, serve, write_token
+    from fatigue_planner.live.session import Session
+
+    loaded = load_experiment(experiment)
+    known = loaded.benchmark.policies
+    if policy is not None and policy not in known:
+        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
+        raise SelectionError(
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
+        )
+    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
+    warn(omissions(loaded, profiles))
+    possible = without_infeasible(loaded, profiles)
+    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    with bound(host, port) as listening:
+        talk().print("Compiling and running everything once ...")
+        settings = None if policy is None else known[policy]
+        with Session.open(journal, task, settings, deadline_s, safe_action) as session:
+            tokens, view, act = Tokens.make()
+            address = f"http://{host}:{listening.getsockname()[1]}"
+            for right, token in (("view", view), ("act", act)):
+                write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
+            typer.echo(f"{address}/#{view}")
+            talk().print(
+                f"Cycle {session.cycle} of {journal}. The line above is the page; the token to act is in "
+                f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
+                markup=False,
+            )
+            serve(session, listening, tokens)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def export(
+    journal: JournalFile,
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.")],
+    form: Annotated[
+        Literal["csv", "jsonl"] | None, typer.Option("--format", help="Default: by the file's ending.")
+    ] = None,
+    as_json: options.Json = False,
+) -> None:
+    """Write the events of a JOURNAL as a table (CSV) or as lines of JSON. Workers are random numbers in it."""
+    import pandas as pd
+
+    from fatigue_planner.core.files import canonical_json, publish_csv, publish_text
+    from fatigue_planner.live.journal_file import read_journal
+
+    form = form or {".csv": "csv", ".jsonl": "jsonl"}.get(file.suffix)  # type: ignore[assignment]
+    if form is None:
+        raise SelectionError(f"{file}: should end in .csv or .jsonl, or give --format.")
+    rows = [
+        {"number": one.number, "seconds": one.seconds, "utc": one.utc, **one.event.plain()}
+        for one in read_journal(journal)
+    ]
+    if form == "jsonl":
+        publish_text(file, "".join(f"{canonical_json(row)}\n" for row in rows))
+    else:
+        nested = [
+            {key: json.dumps(value) if isinstance(value, dict | list) else value for key, value in row.items()}
+            for row in rows
+        ]
+        publish_csv(file, pd.DataFrame(nested).convert_dtypes())
+    options.present({"file": file, "events": len(rows)}, f"{file}: {counted(len(rows), 'event')}.", as_json)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def recover(
+    journal: JournalFile,
+    into: Annotated[Path, typer.Argument(metavar="NEW", help="The new journal.")],
+    as_json: options.Json = False,
+) -> None:
+    """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
+    from fatigue_planner.live.journal_file import recover
+
+    events = recover(journal, into)
+    options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def erase(
+    journal: JournalFile,
+    pseudonym: Annotated[str, typer.Argument(metavar="PSEUDONYM", help="The worker's pseudonym.")],
+    as_json: options.Json = False,
+) -> None:
+    """Erase what joins a worker's events in a JOURNAL to a PSEUDONYM. The events, which name nobody, stay."""
+    from fatigue_planner.live.journal_file import erase
+
+    if not erase(journal, pseudonym):
+        raise SelectionError(f"{journal}: no worker has the pseudonym {pseudonym!r}.")
+    options.present({"journal": journal, "erased": True}, f"{journal}: {pseudonym} is erased.", as_json)

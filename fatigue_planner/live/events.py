@@ -1,0 +1,142 @@
+"""What happens in a shift, as the journal keeps it: a frozen model per kind, and nothing that names a person.
+
+The inputs (`Opened`, `Observed`, `Skipped`, `Rested`, `WorkerChanged`) decide everything; replaying them gives the same
+belief, bit for bit. `Decided` says what was answered; the rest is for the report.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, TypeAdapter
+
+from fatigue_planner.core.settings import Settings
+
+FORMAT = 1
+# Names are those of the experiment, notes are a person's.
+MAX_NOTE_LENGTH = 500
+# A day and a half: longer is no pause of a shift.
+MAX_SECONDS = 129_600.0
+
+Seconds = Annotated[float, Field(ge=0, le=MAX_SECONDS)]
+Cycle = Annotated[int, Field(ge=1)]
+Fallback = Literal["none", "schedule", "safe_action"]
+
+
+class Opened(Settings):
+    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`."""
+
+    kind: Literal["opened"] = "opened"
+    format: int
+    session: str  # random, of this journal
+    scenario: str  # digest
+    scenario_name: str
+    actions: tuple[str, ...]
+    policy: dict[str, Any]
+    policy_sources: dict[str, str]
+    safe_action: str
+    deadline_s: float
+    versions: dict[str, str]
+    origin: str  # of the clock
+
+
+class Resumed(Settings):
+    """The program started again and went on from what is before this event."""
+
+    kind: Literal["resumed"] = "resumed"
+    origin: str  # of the clock from now on
+
+
+class Decided(Settings):
+    """What the robot was told."""
+
+    kind: Literal["decided"] = "decided"
+    cycle: Cycle
+    action: str
+    reason: str
+    fallback: Fallback
+    prepared: bool
+    late: bool
+    duration_s: float
+
+
+class Observed(Settings):
+    """A cycle ended. What the robot did counts (`executed`), not what it was asked.
+
+    observation: as what the reaction was recognised; likelihood: of every reaction, by its name, where a recogniser
+    gives that; neither: nothing was seen. idle_s: rest between the end of the cycle before and the beginning of this.
+    late: told after the next cycle's decision, in which the cycle counted as not seen.
+    """
+
+    kind: Literal["observed"] = "observed"
+    cycle: Cycle
+    executed: str
+    observation: str | None = None
+    likelihood: dict[str, float] | None = None
+    duration_s: Seconds | None = None
+    idle_s: Seconds = 0.0
+    late: bool = False
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether nothing was seen."""
+        return self.observation is None and self.likelihood is None
+
+
+class Skipped(Settings):
+    """A cycle in which the worker did nothing, of so many seconds."""
+
+    kind: Literal["skipped"] = "skipped"
+    cycle: Cycle
+    duration_s: Seconds
+
+
+class Rested(Settings):
+    """A pause between two cycles."""
+
+    kind: Literal["rested"] = "rested"
+    seconds: Seconds
+
+
+class WorkerChanged(Settings):
+    """Another worker, by a random number that the erasable table joins to a pseudonym.
+
+    away_s: how long a worker who was here before has been away; None for a new one.
+    """
+
+    kind: Literal["worker_changed"] = "worker_changed"
+    worker: str
+    away_s: Seconds | None = None
+
+
+class Advice(Settings):
+    """Whether the belief decides for this worker, or the schedule, which needs no belief."""
+
+    kind: Literal["advice"] = "advice"
+    on: bool
+
+
+class Contradicted(Settings):
+    """Something else was said of a cycle that had been observed; the first stands."""
+
+    kind: Literal["contradicted"] = "contradicted"
+    cycle: Cycle
+    said: str
+
+
+class Noted(Settings):
+    """A remark."""
+
+    kind: Literal["noted"] = "noted"
+    text: Annotated[str, Field(max_length=MAX_NOTE_LENGTH)]
+
+
+class Closed(Settings):
+    """The session was closed in good order."""
+
+    kind: Literal["closed"] = "closed"
+
+
+Input = Observed | Skipped | Rested | WorkerChanged | Advice
+Event = (
+    Opened | Resumed | Decided | Observed | Skipped | Rested | WorkerChanged | Advice | Contradicted | Noted | Closed
+)
+ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

@@ -1,0 +1,93 @@
+"""The calls of a session over HTTP."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from dataclasses import asdict
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request as HttpRequest
+from starlette.responses import JSONResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from fatigue_planner import __version__
+from fatigue_planner.core.errors import ContradictionError, FatplanError
+from fatigue_planner.live.face.guard import HEADERS, Guard, Tokens
+from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
+from fatigue_planner.live.face.requests import CALLS, Request, openapi, parse
+from fatigue_planner.live.session import Session
+
+# Those who watch get the newest state so often, and after every change.
+EVENT_EVERY_S = 1.0
+MAX_WATCHERS = 50
+
+
+class Face:
+    """A session as an ASGI application; see `requests.openapi` for what it offers."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._changed = asyncio.Event()
+        self._watchers = 0
+
+    def application(self, tokens: Tokens, hosts: frozenset[str]) -> Guard:
+        """The application, guarded."""
+        routes = [Route(f"/v1/{name}", self._call, methods=["POST"], name=name) for name in CALLS]
+        routes += [
+            Route("/v1/state", self._state),
+            Route("/v1/events", self._events),
+            Route("/healthz", self._health),
+            Route("/openapi.json", self._openapi),
+            Route("/", self._page),
+        ]
+        return Guard(Starlette(routes=routes), tokens, hosts)
+
+    async def _call(self, request: HttpRequest) -> Response:
+        name = request.url.path.rpartition("/")[2]
+        try:
+            said: Request = parse(CALLS[name], await request.body())
+            answer = getattr(self._session, name)(**dict(said))
+        except FatplanError as error:
+            code = 409 if isinstance(error, ContradictionError) else 422
+            return JSONResponse({"error": str(error), "expected_cycle": self._session.cycle}, code, HEADERS)
+        self._changed.set()
+        self._changed = asyncio.Event()
+        return JSONResponse(None if answer is None else asdict(answer), headers=HEADERS)
+
+    async def _state(self, _: HttpRequest) -> Response:
+        return JSONResponse(self._snapshot(), headers=HEADERS)
+
+    def _snapshot(self) -> dict[str, Any]:
+        return {**asdict(self._session.state()), "watchers": self._watchers}
+
+    async def _events(self, request: HttpRequest) -> Response:
+        if self._watchers >= MAX_WATCHERS:
+            return JSONResponse({"error": f"{MAX_WATCHERS} are watching already"}, 503, HEADERS)
+        headers = {**HEADERS, "x-accel-buffering": "no"}
+        return StreamingResponse(self._stream(request), media_type="text/event-stream", headers=headers)
+
+    async def _stream(self, request: HttpRequest) -> AsyncIterator[str]:
+        """The newest state, whole, for as long as it is read: who is slow misses states, and none are kept for him."""
+        if self._watchers >= MAX_WATCHERS:  # many began at once
+            return
+        self._watchers += 1
+        try:
+            while not await request.is_disconnected():
+                changed = self._changed
+                yield f"data: {json.dumps(self._snapshot(), separators=(',', ':'))}\n\n"
+                try:
+                    await asyncio.wait_for(changed.wait(), EVENT_EVERY_S)
+                except TimeoutError:
+                    continue
+        finally:
+            self._watchers -= 1
+
+    async def _health(self, _: HttpRequest) -> Response:
+        return JSONResponse({"ok": True}, headers=HEADERS)
+
+    async def _openapi(self, _: HttpRequest) -> Response:
+        return JSONResponse(openapi(__version__), headers=HEADERS)
+
+    async def _page(self, _: HttpRequest) -> Response:
+        return Response(PAGE, media_type="text/html", headers=PAGE_HEADERS)

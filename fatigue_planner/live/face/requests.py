@@ -1,0 +1,122 @@
+"""What clients send, a strict model per call, and the description of the face as OpenAPI."""
+
+from typing import Any
+
+from pydantic import Field, ValidationError
+
+from fatigue_planner.core.errors import EvidenceError, shortened
+from fatigue_planner.core.settings import Settings
+
+MAX_TEXT_LENGTH = 500
+
+
+class Request(Settings):
+    """The body of a call."""
+
+
+class Decide(Request):
+    """What to do in a cycle."""
+
+    cycle: int | None = Field(
+        default=None,
+        description="Number of the cycle. Default: the one to decide. The one after that: nothing was seen of this.",
+    )
+
+
+class Observe(Request):
+    """A cycle has ended; the answer is the decision for the next."""
+
+    cycle: int = Field(description="Number of the cycle that has ended.")
+    executed: str | None = Field(default=None, description="The action that the robot did. Default: the one decided.")
+    observation: str | None = Field(default=None, description="The reaction that was recognised.")
+    likelihood: dict[str, float] | None = Field(
+        default=None,
+        description="By reaction, how likely what was measured is under it, from 0 to 1. Without this and "
+        "`observation` nothing was seen.",
+    )
+    duration_s: float | None = Field(default=None, description="Duration of the cycle in s. Default: as planned.")
+
+
+class Skip(Request):
+    """The worker did nothing in this cycle."""
+
+    duration_s: float | None = Field(default=None, description="For how long, in s. Default: since the last cycle.")
+
+
+class Rest(Request):
+    """A pause before this cycle."""
+
+    seconds: float = Field(description="Length of the pause in s.")
+
+
+class Worker(Request):
+    """Another worker."""
+
+    pseudonym: str = Field(description="The worker's pseudonym, never a name.")
+
+
+class Advise(Request):
+    """Whether the belief decides for this worker."""
+
+    on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
+
+
+class Note(Request):
+    """A remark for the journal."""
+
+    text: str = Field(max_length=MAX_TEXT_LENGTH, description="The remark.")
+
+
+# By path, what is done there.
+CALLS: dict[str, type[Request]] = {
+    "decide": Decide, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker, "advise": Advise, "note": Note,
+}  # fmt: skip
+
+
+def parse(kind: type[Request], body: bytes) -> Request:
+    """The request in a body. Raises EvidenceError naming every field that is wrong."""
+    try:
+        return kind.model_validate_json(body or b"{}", strict=True)
+    except ValidationError as error:
+        faults = [
+            f"{'.'.join(map(str, one['loc'])) or 'body'}: {one['msg']} (given: {shortened(one['input'])})"
+            for one in error.errors(include_url=False, include_context=False)[:10]
+        ]
+        raise EvidenceError("; ".join(faults)) from error
+
+
+def openapi(version: str) -> dict[str, Any]:
+    """The description of the face, as OpenAPI 3.1 has it."""
+    answers = {
+        "200": "What to do in the cycle that comes or goes on.",
+        "401": "No token, or a wrong one.",
+        "403": "The token may only look, or the request comes from a page elsewhere.",
+        "409": "The cycle was observed otherwise before; the first stands.",
+        "413": "The body is too large.",
+        "422": "What was sent cannot be: the message names the field or the cycle.",
+    }
+    responses = {code: {"description": text} for code, text in answers.items()}
+    paths: dict[str, Any] = {
+        f"/v1/{name}": {
+            "post": {
+                "summary": (kind.__doc__ or "").partition("\n")[0],
+                "requestBody": {"content": {"application/json": {"schema": kind.model_json_schema()}}},
+                "responses": responses,
+            }
+        }
+        for name, kind in CALLS.items()
+    }
+    looks = {
+        "/v1/state": "Where the shift stands.",
+        "/v1/events": "The same as server-sent events: whole, once a second and after every change.",
+        "/healthz": "Whether the program answers; needs no token.",
+    }
+    for path, text in looks.items():
+        paths[path] = {"get": {"summary": text, "responses": {code: responses[code] for code in ("200", "401")}}}
+    return {
+        "openapi": "3.1.0",
+        "info": {"title": "fatplan live", "version": version},
+        "paths": paths,
+        "components": {"securitySchemes": {"token": {"type": "http", "scheme": "bearer"}}},
+        "security": [{"token": []}],
+    }

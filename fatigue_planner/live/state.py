@@ -1,0 +1,98 @@
+"""What a session shows to people: where the shift stands, how sure that is, and what did not go as planned."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fatigue_planner.core.random_streams import Vector
+from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.live.events import Decided, Event, Fallback, Observed, WorkerChanged
+from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
+
+# The joints that are shown are the most tired ones, each with an interval that holds nine tenths of the belief.
+SHOWN_JOINTS = 8
+LOWER, UPPER = 0.05, 0.95
+
+
+@dataclass
+class Counts:
+    """What did not go as planned since the shift began, in cycles; `contradicted` in observations."""
+
+    unseen: int = 0
+    unseen_in_a_row: int = 0
+    late: int = 0
+    fallback: int = 0
+    other_actions: int = 0
+    surprised: int = 0
+    contradicted: int = 0
+
+    def add(self, event: Event, decided: str | None) -> None:
+        """Count an event; `decided` is the action that was decided for the cycle, if it was."""
+        match event:
+            case Decided():
+                self.late += event.late
+                self.fallback += event.fallback != "none"
+            case Observed(late=True):
+                self.unseen -= not event.is_blind
+            case Observed():
+                self.unseen += event.is_blind
+                self.unseen_in_a_row = self.unseen_in_a_row + 1 if event.is_blind else 0
+                self.other_actions += decided is not None and event.executed != decided
+            case WorkerChanged():
+                self.unseen_in_a_row = 0
+            case _:
+                self.contradicted += event.kind == "contradicted"
+
+
+@dataclass(frozen=True)
+class JointFatigue:
+    """What is believed of the fatigue of an entry: its mean, and an interval that holds 90 % of the belief."""
+
+    entry: str
+    mean: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class SessionState:
+    """Where a shift stands.
+
+    cycle: that comes or goes on; action: what was decided for it, None before that. since_s: seconds since the last
+    cycle or pause ended. joints: the most tired ones. fault: why nothing is recorded any more. worker: a random number.
+    """
+
+    cycle: int
+    action: str | None
+    fallback: Fallback
+    since_s: float
+    worker: str
+    advised: bool
+    counts: Counts
+    joints: tuple[JointFatigue, ...]
+    recorded: int
+    durable_up_to: int
+    fault: str
+
+
+def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:
+    """What is believed of the most tired entries, the most tired one first."""
+    model = belief.model
+    if not isinstance(model, FatiguePomdp):
+        return ()
+    fatigue = np.array([model.fatigue(state) for state in belief.states])
+    means = belief.weights @ fatigue
+    return tuple(
+        JointFatigue(ENTRIES[number], float(means[number]), *interval(fatigue[:, number], belief.weights))
+        for number in np.argsort(-means, kind="stable")[:SHOWN_JOINTS]
+        if means[number] > 0
+    )
+
+
+def interval(values: Vector, weights: Vector) -> tuple[float, float]:
+    """The smallest and the largest of the values (n,) between the quantiles LOWER and UPPER."""
+    order = np.argsort(values, kind="stable")
+    reached = np.cumsum(weights[order])
+    low, high = np.searchsorted(reached, (LOWER, UPPER * reached[-1]))
+    return float(values[order[low]]), float(values[order[min(high, values.size - 1)]])

@@ -1,0 +1,459 @@
+"""A session: the same belief and answers whatever happens to the program; what was said wrongly changes nothing."""
+
+import itertools
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import PAPER
+
+import fatigue_planner as fp
+from fatigue_planner.core.errors import (
+    ContradictionError,
+    CycleError,
+    EvidenceError,
+    OtherSituationError,
+    SelectionError,
+)
+from fatigue_planner.live import session as session_module
+from fatigue_planner.live.events import Contradicted, Observed, Rested, WorkerChanged
+from fatigue_planner.live.journal_file import read_journal
+from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
+
+CYCLE_S = 16.0
+
+
+class FakeClock(fp.Clock):
+    """A clock that stands until it is moved."""
+
+    def __init__(self, boot: str = "boot 1") -> None:
+        self.now_s, self.boot = 1000.0, boot
+        self.wall = datetime(2026, 11, 28, 6, 0, tzinfo=UTC)
+
+    def pass_(self, seconds: float) -> None:
+        self.now_s += seconds
+        self.wall += timedelta(seconds=seconds)
+
+    def seconds(self) -> float:
+        return self.now_s
+
+    def utc(self) -> datetime:
+        return self.wall
+
+    def origin(self) -> str:
+        return self.boot
+
+
+@pytest.fixture(scope="module")
+def scenario(cache_folder: Path) -> fp.Scenario:
+    experiment = fp.load(PAPER)
+    return fp.scenario(experiment, fp.simulate(experiment, cache_folder), "multiple_novice")
+
+
+@pytest.fixture
+def clock() -> FakeClock:
+    return FakeClock()
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "shift.fatplan"
+
+
+def cycles(session: fp.Session, clock: FakeClock, seen: list[str | None]) -> list[str]:
+    """Work a cycle for each of what is seen; the actions."""
+    done = []
+    for one in seen:
+        decision = session.decide()
+        done.append(decision.action)
+        clock.pass_(CYCLE_S)
+        session.observe(decision.cycle, observation=one)
+    return done
+
+
+SEEN = ["arm", "back", None, "arm", "arm", "back", None, None, "back", "arm"]
+
+
+def test_it_is_the_planner_cycle_by_cycle(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """A session without pauses does what the same policy does in a benchmark's belief."""
+    seen = ["arm", "back", "back", "arm"] * 3
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        actions = cycles(session, clock, list(seen))
+    rng = np.random.default_rng(0)
+    policy = fp.policy(session_module.DEFAULT_POLICY).build()
+    belief = scenario.initial_belief("prior", scenario.model, rng)
+    for action, one in zip(actions, seen, strict=True):
+        assert scenario.model.actions[policy.act(belief, rng).action] == action
+        belief = belief.update(scenario.model.actions.index(action), scenario.model.observations.index(one), rng)
+
+
+def test_asked_twice_it_answers_the_same(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        first = session.decide()
+        again = session.decide(cycle=1)
+        assert (again.cycle, again.action) == (first.cycle, first.action) == (1, first.action)
+        clock.pass_(CYCLE_S)
+        second = session.observe(1, observation="arm")
+        digest = session.digest()
+        assert session.observe(1, observation="arm").action == second.action
+        assert session.digest() == digest
+    assert sum(isinstance(one.event, Observed) for one in read_journal(path)) == 1
+
+
+def test_something_else_said_of_a_cycle_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.decide()
+        session.observe(1, observation="arm")
+        digest = session.digest()
+        with pytest.raises(ContradictionError, match="cycle 1: was observed otherwise before; the first stands"):
+            session.observe(1, observation="back")
+        assert session.digest() == digest
+        assert session.counts.contradicted == 1
+    assert sum(isinstance(one.event, Contradicted) for one in read_journal(path)) == 1
+
+
+def test_what_comes_late_is_taken_in_its_place(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        actions = cycles(session, clock, ["arm", "back"])
+        third = session.decide()
+        clock.pass_(CYCLE_S)
+        fourth = session.decide(cycle=4)  # nothing was seen of the third
+        assert session.counts.unseen == 1
+        late = session.observe(3, observation="back")
+        assert (late.cycle, late.action) == (4, fourth.action)  # what was decided stands
+        assert session.counts.unseen == 0
+        digest = session.digest()
+    with fp.Session.open(path.with_name("other"), scenario, clock=FakeClock()) as other:
+        assert cycles(other, other._clock, ["arm", "back"]) == actions
+        assert other.decide().action == third.action
+        other._clock.pass_(CYCLE_S)
+        other.observe(3, observation="back")
+        assert np.array_equal(other._shift.belief.states, session._shift.belief.states)
+        assert other._shift.belief.weights.tolist() == session._shift.belief.weights.tolist()
+    with fp.Session.open(path, scenario, clock=clock) as resumed:
+        assert resumed.digest() == digest
+        assert resumed.counts == session.counts
+
+
+@pytest.mark.parametrize("cycle", [3, 7, -1, 0, True, 1.0, "1", None])
+def test_another_cycle_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock, cycle: object) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, ["arm"])
+        session.decide()
+        digest = session.digest()
+        with pytest.raises(CycleError):
+            session.observe(cycle, observation="arm")  # type: ignore[arg-type]
+        assert session.digest() == digest
+
+
+def test_too_late_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, [None] * (LATE_CYCLES + 1))
+        with pytest.raises(CycleError, match=f"cycle 1: cannot be observed; the cycle going on is {LATE_CYCLES + 2}"):
+            session.observe(1, observation="arm")
+        session.observe(2, observation="arm")
+        with pytest.raises(CycleError, match="the cycle to decide is 7"):
+            session.decide(cycle=9)
+
+
+NAN, INF = float("nan"), float("inf")
+WRONG = [
+    {"executed": "middle"},
+    {"executed": 1},
+    {"observation": "leg"},
+    {"observation": "arm", "likelihood": {"arm": 1.0}},
+    {"likelihood": {}},
+    {"likelihood": {"leg": 1.0}},
+    {"likelihood": {"arm": NAN}},
+    {"likelihood": {"arm": INF}},
+    {"likelihood": {"arm": -0.1, "back": 1.0}},
+    {"likelihood": {"arm": 0.0, "back": 0}},
+    {"likelihood": {"arm": 1e308}},
+    {"likelihood": {"arm": True}},
+    {"likelihood": {"arm": "1"}},
+    {"likelihood": [0.5, 0.5]},
+    {"duration_s": NAN},
+    {"duration_s": -1},
+    {"duration_s": 1e9},
+    {"duration_s": "16"},
+]
+
+
+def test_what_is_no_observation_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.decide()
+        digest = session.digest()
+        for wrong in WRONG:
+            with pytest.raises(EvidenceError):
+                session.observe(1, **wrong)  # type: ignore[arg-type]
+        for seconds in (NAN, -1.0, INF, "1", 1e9, True):
+            with pytest.raises(EvidenceError):
+                session.rest(seconds)  # type: ignore[arg-type]
+            with pytest.raises(EvidenceError):
+                session.skip(seconds)  # type: ignore[arg-type]
+        for pseudonym in ("", "  ", "x" * 65, 3):
+            with pytest.raises(SelectionError):
+                session.worker(pseudonym)  # type: ignore[arg-type]
+        assert session.digest() == digest
+    assert len(read_journal(path)) == 3  # opened, decided, closed
+
+
+def test_what_the_robot_did_counts(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        asked = session.decide().action
+        other = next(name for name in scenario.model.actions if name != asked)
+        session.observe(1, executed=other, observation="arm")
+        assert session.counts.other_actions == 1
+        expected = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0)).update(
+            scenario.model.actions.index(other), scenario.model.observations.index("arm"), np.random.default_rng(0)
+        )
+        assert np.array_equal(session._shift.belief.states, expected.states)
+
+
+def test_time_that_passed_is_rest(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Also while the machine slept. A pause that was said is not counted twice, and the wall clock is not believed."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, ["arm"])
+        clock.pass_(20 * 60 + CYCLE_S)
+        clock.wall -= timedelta(hours=1)
+        session.observe(2, observation="back")
+        clock.pass_(2700)
+        session.rest(2700)
+        clock.pass_(CYCLE_S + 0.2)
+        session.observe(3, observation="arm")
+    observed = [one.event for one in read_journal(path) if isinstance(one.event, Observed)]
+    assert [one.idle_s for one in observed] == [0, 1200, 0]
+    rested = [one.event.seconds for one in read_journal(path) if isinstance(one.event, Rested)]
+    assert rested == [2700]
+
+
+def test_it_goes_on_where_it_stopped(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """After every single cycle another program goes on, and all ends as if one had worked throughout."""
+    with fp.Session.open(path.with_name("whole"), scenario, clock=FakeClock()) as whole:
+        actions = cycles(whole, whole._clock, SEEN)
+        whole_belief = whole._shift.belief
+    found = []
+    for one in SEEN:
+        session = fp.Session.open(path, scenario, clock=clock)
+        with session:
+            found += cycles(session, clock, [one])
+    assert found == actions
+    assert np.array_equal(session._shift.belief.weights, whole_belief.weights)
+    assert np.array_equal(session._shift.belief.states, whole_belief.states)
+    assert session.counts == whole.counts
+
+
+def test_after_a_restart_of_the_machine_the_time_of_day_counts(
+    scenario: fp.Scenario, path: Path, clock: FakeClock
+) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, ["arm"])
+        session.decide()
+    after = FakeClock("boot 2")
+    after.now_s, after.wall = 5.0, clock.wall + timedelta(minutes=30)
+    with fp.Session.open(path, scenario, clock=after) as session:
+        after.pass_(CYCLE_S)
+        session.observe(2, observation="arm")
+    observed = [one.event for one in read_journal(path) if isinstance(one.event, Observed)]
+    assert observed[-1].idle_s == 30 * 60
+
+
+def test_another_situation_is_refused(scenario: fp.Scenario, path: Path, clock: FakeClock, cache_folder: Path) -> None:
+    fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
+    experiment = fp.load(PAPER)
+    other = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "single_novice")
+    with pytest.raises(OtherSituationError, match=r"the scenario .* changed"):
+        fp.Session.open(path, other, safe_action="low", clock=clock)
+    with pytest.raises(OtherSituationError, match="the policy changed"):
+        fp.Session.open(path, scenario, "greedy", safe_action="low", clock=clock)
+    with pytest.raises(OtherSituationError, match="the safe action changed"):
+        fp.Session.open(path, scenario, safe_action="high", clock=clock)
+    fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
+
+
+@pytest.mark.parametrize("kind", ["random", {"kind": "threshold", "fatigue_threshold": 0.1}], ids=str)
+def test_a_policy_that_remembers_is_refused(scenario: fp.Scenario, path: Path, kind: object) -> None:
+    with pytest.raises(SelectionError, match="a decision must follow from the belief alone"):
+        fp.Session.open(path, scenario, kind)  # type: ignore[arg-type]
+    assert not path.exists()
+
+
+def test_a_policy_slower_than_the_deadline_is_refused(scenario: fp.Scenario, path: Path) -> None:
+    with pytest.raises(SelectionError, match="ms for a decision, more than deadline_s = 1e-06"):
+        fp.Session.open(path, scenario, deadline_s=1e-6)
+    assert not path.exists()
+
+
+def test_a_schedule_needs_no_belief(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    schedule = {"kind": "periodic", "sequence": ("high", "low", "low")}
+    with fp.Session.open(path, scenario, schedule, clock=clock) as session:
+        assert cycles(session, clock, [None, "arm", "back", None]) == ["high", "low", "low", "high"]
+
+
+def test_without_news_the_schedule_decides(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, [None] * session_module.UNSEEN_LIMIT)
+        assert session.decide().fallback == "schedule"
+        clock.pass_(CYCLE_S)
+        assert session.observe(session.cycle, observation="arm").fallback == "none"
+        assert session.advise(False).fallback == "schedule"
+        assert session.advise(True).fallback == "none"
+
+
+def test_workers_are_never_mixed(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Two workers in turn: each has the belief of a shift alone in which the other's time was a pause."""
+    turns = [("w-a", ["arm", "back"]), ("w-b", ["back"]), ("w-a", ["back", "arm"]), ("w-b", ["arm", "arm"])]
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        for name, seen in turns:
+            session.worker(name)
+            cycles(session, clock, list(seen))
+            clock.pass_(60)
+        shift = session._shift
+        beliefs = {name: belief for name, (belief, _) in shift._others.items()} | {shift.worker: shift.belief}
+        workers = dict(session._journal.workers)
+    events = [one.event for one in read_journal(path)]
+    for name in ("w-a", "w-b"):
+        alone, own = Shift(scenario, fp.policy(session_module.DEFAULT_POLICY), shift.session), False
+        for event in events:
+            if isinstance(event, WorkerChanged):
+                own = event.worker == workers[name]
+                if own and event.away_s is None:
+                    alone.take(event)
+                elif own:
+                    alone.belief = alone.belief.rest(event.away_s)
+            elif own and isinstance(event, Observed):
+                alone.cycle = event.cycle
+                alone.take(event)
+        assert np.array_equal(alone.belief.states, beliefs[workers[name]].states)
+        assert np.array_equal(alone.belief.weights, beliefs[workers[name]].weights)
+    assert b"w-a" in path.read_bytes()
+    assert not any("w-a" in str(event) for event in events)
+
+
+def test_what_was_prepared_is_what_would_be_decided(
+    scenario: fp.Scenario, path: Path, clock: FakeClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    prepared = path.with_name("prepared")
+    with fp.Session.open(prepared, scenario, clock=clock) as session:
+        for one in SEEN:
+            decision = session.decide()
+            assert session._table.wait(30)
+            clock.pass_(CYCLE_S)
+            assert session.observe(decision.cycle, observation=one).prepared
+        digest = session.digest()
+    monkeypatch.setattr(session_module.Table, "take", lambda *_: None)
+    with fp.Session.open(path, scenario, clock=FakeClock()) as other:
+        for one in SEEN:
+            decision = other.decide()
+            other._clock.pass_(CYCLE_S)
+            assert not other.observe(decision.cycle, observation=one).prepared
+    told = [
+        [
+            one.event.model_dump(exclude={"prepared", "duration_s"})
+            for one in read_journal(file)
+            if one.event.kind == "decided"
+        ]
+        for file in (prepared, path)
+    ]
+    assert told[0] == told[1]
+    with fp.Session.open(prepared, scenario, clock=clock) as resumed:  # nothing is prepared when a journal is replayed
+        assert resumed.digest() == digest
+
+
+def test_several_clients_get_one_answer(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        answers: list[set[str]] = []
+        for cycle in range(1, 30):
+            with ThreadPoolExecutor(8) as pool:
+                asked = [pool.submit(session.decide) for _ in range(8)]
+            answers.append({one.result().action for one in asked})
+            session.observe(cycle, observation=("arm", "back")[cycle % 2])
+        assert all(len(found) == 1 for found in answers)
+
+
+def test_a_failing_policy_falls_back(scenario: fp.Scenario, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = fp.policy(session_module.DEFAULT_POLICY)
+    adviser = Adviser(scenario, settings, 1)
+    belief = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+
+    def fail(*_: object) -> None:
+        raise fp.FatplanError("no idea")
+
+    monkeypatch.setattr(adviser._policy, "act", fail)
+    chosen = adviser.choose(belief, 1)
+    assert (chosen.fallback, chosen.reason) == ("schedule", "the policy failed: no idea")
+    adviser._schedule = None
+    assert adviser.choose(belief, 1).fallback == "safe_action"
+
+
+KILLED = """
+import sys
+import itertools
+from pathlib import Path
+import fatigue_planner as fp
+experiment = fp.load("paper")
+scenario = fp.scenario(experiment, fp.simulate(experiment, sys.argv[2]), "multiple_novice")
+session = fp.Session.open(sys.argv[1], scenario)
+print("open", session.decide().cycle, flush=True)
+for number in itertools.count():
+    decision = session.decide()
+    print("decided", decision.cycle, decision.action, flush=True)
+    decision = session.observe(decision.cycle, observation=["arm", "back", None][decision.cycle % 3])
+    session._journal.wait(decision.recorded, 30)
+    print("durable", decision.cycle, session.digest(), flush=True)
+"""
+
+
+@pytest.mark.slow
+def test_a_kill_loses_nothing_that_was_durable(scenario: fp.Scenario, path: Path, cache_folder: Path) -> None:
+    """The session after a kill stands where the last durable one stood, or later, and answers the same."""
+    rng = np.random.default_rng(5)
+    digests: dict[int, str] = {}
+    actions: dict[int, str] = {}
+    for _ in range(8):
+        with subprocess.Popen(
+            [sys.executable, "-c", KILLED, path, cache_folder], stdout=subprocess.PIPE, text=True
+        ) as running:
+            assert running.stdout is not None
+            lines = [running.stdout.readline()]
+            time.sleep(rng.uniform(0, 0.3))
+            os.kill(running.pid, signal.SIGKILL)
+            lines += running.stdout.readlines()
+        last = 0
+        for words in (line.split() for line in lines if line.endswith("\n")):
+            if words[0] == "durable":
+                last = int(words[1])
+                assert digests.setdefault(last, words[2]) == words[2]
+            elif words[0] == "decided":
+                assert actions.setdefault(int(words[1]), words[2]) == words[2]
+        with fp.Session.open(path, scenario) as session:
+            assert session.cycle >= last
+            assert digests.get(session.cycle, session.digest()) == session.digest()
+            decision = session.decide()
+            assert actions.get(decision.cycle, decision.action) == decision.action
+    assert len(digests) > 20
+
+
+@pytest.mark.slow
+def test_a_shift_leaves_memory_and_times_flat(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """12 hours of the paper's cycles; then the journal is resumed in two seconds."""
+    seen = itertools.cycle(["arm", "back", "arm", None, "back"])
+    sizes = []
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        for number in range(2700):
+            cycles(session, clock, [next(seen)])
+            if number % 300 == 299:
+                sizes.append(len(session._shift._past) + session._shift.belief.states.size)
+        digest = session.digest()
+    assert len(set(sizes)) <= 3
+    begin = time.process_time()
+    with fp.Session.open(path, scenario, clock=clock) as resumed:
+        assert resumed.digest() == digest
+    assert time.process_time() - begin < 20
