@@ -48,6 +48,7 @@ def estimated(what: str, settings: Any, belief: Belief, monkeypatch: pytest.Monk
     monkeypatch.setattr(effort, "MAP", one if what == "maps" else nothing)
     monkeypatch.setattr(effort, "PLAN", one if what == "plans" else nothing)
     monkeypatch.setattr(effort, "NEW_PLAN", nothing)
+    monkeypatch.setattr(effort, "KNOWN", nothing)
     for name in ("SHARE", "CHOICE"):
         monkeypatch.setattr(effort, name, 0)
     monkeypatch.setattr(effort, "SLOWER", 1e9)
@@ -87,14 +88,37 @@ def test_a_lookahead_values_no_more_plans_than_are_counted(
     assert work["plans"] <= round(counted) <= 1.5 * work["plans"]
 
 
-@pytest.mark.parametrize("name", ["novice", "of some expertise"])
-def test_a_search_applies_no_more_maps_than_are_counted(
-    name: str, work: Counter[str], monkeypatch: pytest.MonkeyPatch
+def test_a_novices_search_applies_no_more_maps_than_are_counted(
+    work: Counter[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A novice's tree is even, but of four branches: its descents are half as deep as is assumed."""
-    belief, settings = BELIEFS[name], pomcp(300, 0.01)
+    belief, settings = BELIEFS["novice"], pomcp(300, 0.01)
     PomcpPolicy(settings).act(belief, np.random.default_rng(0))
     assert work["maps"] <= estimated("maps", settings, belief, monkeypatch) <= 7 * work["maps"]
+
+
+@pytest.mark.parametrize("name", ["expert", "of some expertise", "recognised with error"])
+@pytest.mark.parametrize("leaf_value", ["none", "bound"])
+def test_a_search_goes_no_deeper_than_along_one_path(
+    name: str, leaf_value: str, work: Counter[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    belief, settings = BELIEFS[name], pomcp(100, 0.0, leaf_value=leaf_value)
+    PomcpPolicy(settings).act(belief, np.random.default_rng(0))
+    assert work["maps"] <= estimated("maps", settings, belief, monkeypatch)
+
+
+def test_an_expert_who_is_never_tired_in_one_way_is_searched_along_one_path(
+    work: Counter[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One way tires nobody. From two states, as from one the steps would be recalled; each action is tried once."""
+    model = small_model(math.inf)
+    gain, offset = (table.reshape(1, 2, 2, -1)[..., :3].copy() for table in (model.arrays.gain, model.arrays.offset))
+    offset[:, 0, 0] = 0
+    idle = model.with_maps(gain, offset, model.workers)
+    at_rest = belief_in(idle, np.array([[0.0, 0, 0], [1e-9, 0, 0]]), np.full(2, 0.5))
+    settings = pomcp(100, 0.0, backup="max")
+    PomcpPolicy(settings).act(at_rest, np.random.default_rng(0))
+    assert work["maps"] <= estimated("maps", settings, at_rest, monkeypatch) <= 4 * work["maps"]
 
 
 # --- what is refused ----------------------------------------------------------------------------------------------

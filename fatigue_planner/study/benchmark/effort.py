@@ -8,7 +8,7 @@ import math
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.planners.lookahead import DRAWS_NOTHING, LookaheadSettings, ReferenceSettings
-from fatigue_planner.planners.pomcp.kernels import LeafValueName
+from fatigue_planner.planners.pomcp.kernels import LeafValueName, keeps_rewards
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.planners.pomcp.sparse.pomcpow import PomcpowSettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -25,10 +25,8 @@ PLAN = 1, 0.11  # the value of a plan in a state
 NEW_PLAN = 100, 15  # the values of a plan of a new worker, after a rejuvenation
 SHARE = 1.5  # the share of a plan's value in the sum of an observation that does not reveal the outcome
 CHOICE, SPARSE_CHOICE = 15, 100  # an action chosen and a return backed up; in a sparse tree
+KNOWN = 12, 0.07  # a step that is known and so only made up for (pomcp/recall.py), its choice included
 SLOWER = 2.0  # how much slower another machine may be
-# The mean depth of a descent is taken for that of an even binary tree, or for this where an expert's choices are known
-# and leaves are valued as a novice's: descents then follow one path (docs/planners.md). These are no bounds.
-DEEP = 500
 # A belief of more states does not fit in memory.
 MAX_STATES = 1e7
 
@@ -48,6 +46,9 @@ class Effort:
         self.shares = 1 if model.observation_reveals_outcome else len(model.observations)
         self.even = model.arrays.even
         self.costs = 0 if self.even else self.outcomes  # maps of a choice
+        # How probable the likeliest observation may be. Whoever minds costs may be sure of his choice.
+        self.likeliest = float(model.arrays.observation.mean(axis=0).max()) if self.even else 1.0
+        self.recalls = keeps_rewards(model) and len(belief.weights) == 1
 
     def maps(self, count: float) -> float:
         """So many maps of cycles."""
@@ -90,11 +91,21 @@ def _of_search(settings: Search, belief: Belief) -> float:
         return 0.0
     effort, sparse = Effort(belief), isinstance(settings, PomcpowSettings)
     exact = effort.outcomes if isinstance(settings, PomcpSettings) and settings.backup == "exact" else 0
-    depth = DEEP if settings.leaf_value == "bound" and not effort.even else math.log2(settings.descents + 2)
     step = effort.maps(1 + effort.costs + exact) + (SPARSE_CHOICE if sparse else CHOICE) + effort.actions
-    return settings.descents * depth * step + effort.leaves(
-        settings.leaf_value, settings.rollout_cycles, settings.descents
-    )
+    known = KNOWN[0] + KNOWN[1] * effort.width + effort.actions if effort.recalls and not sparse else step
+    descent = step + (_mean_depth(settings.descents, effort.likeliest) - 1) * known
+    return settings.descents * descent + effort.leaves(settings.leaf_value, settings.rollout_cycles, settings.descents)
+
+
+def _mean_depth(descents: int, likeliest: float) -> float:
+    """How deep descents go in the mean, at most.
+
+    Every descent adds one node, at most one cycle below what there is: a single path is half as deep in the mean as it
+    is long. It grows where an action is always the best one and its outcome sure. If observations are drawn alike
+    everywhere, the history of the likeliest ones, of probability p each, is reached p^depth as often as the root.
+    """
+    path = (descents + 1) / 2
+    return path if likeliest == 1 else min(path, math.log(descents + 2) / -math.log(max(likeliest, 0.5)))
 
 
 def check_effort(name: str, settings: Lookahead | Search, belief: Belief, max_decision_s: float) -> None:
