@@ -244,10 +244,12 @@ def test_where_a_body_faces_is_what_its_left_side_says_and_how_it_turns() -> Non
     q, v, h = simulator.configuration, simulator.velocity, 1e-5
     task.evaluate(state, row, target)
     now = heading(state.placement(task.frame).rotation)
-    assert target[0] < 0 < now  # turned to the left, and drawn back
     state.update(pin.integrate(state.model, q, h * v), v)
     later = heading(state.placement(task.frame).rotation)
     assert row[0] @ v == pytest.approx((later - now) / h, rel=0.05)
+    state.update(q, np.zeros_like(v))
+    task.evaluate(state, row, target)  # at rest nothing but the stiffness draws
+    assert now > np.radians(1) and target[0] == pytest.approx(-4 * now)
 
 
 def overhead(y_deg: float) -> MotionRequest:
