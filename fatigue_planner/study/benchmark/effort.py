@@ -46,8 +46,9 @@ class Effort:
         self.shares = 1 if model.observation_reveals_outcome else len(model.observations)
         self.even = model.arrays.even
         self.costs = 0 if self.even else self.outcomes  # maps of a choice
-        # How probable the likeliest observation may be. Whoever minds costs may be sure of his choice.
-        self.likeliest = float(model.arrays.observation.mean(axis=0).max()) if self.even else 1.0
+        # How probable the likeliest observation may be: whoever minds costs may be sure of his choice.
+        seen = model.arrays.observation
+        self.likeliest = float((seen.mean(axis=0) if self.even else seen).max())
         self.recalls = keeps_rewards(model) and len(belief.weights) == 1
 
     def maps(self, count: float) -> float:
@@ -93,18 +94,20 @@ def _of_search(settings: Search, belief: Belief) -> float:
     exact = effort.outcomes if isinstance(settings, PomcpSettings) and settings.backup == "exact" else 0
     step = effort.maps(1 + effort.costs + exact) + (SPARSE_CHOICE if sparse else CHOICE) + effort.actions
     known = KNOWN[0] + KNOWN[1] * effort.width + effort.actions if effort.recalls and not sparse else step
-    descent = step + (_mean_depth(settings.descents, effort.likeliest) - 1) * known
+    tried_first = 1 if sparse else effort.actions  # in a sparse tree some may be left out
+    descent = step + (_mean_depth(settings.descents, tried_first, effort.likeliest) - 1) * known
     return settings.descents * descent + effort.leaves(settings.leaf_value, settings.rollout_cycles, settings.descents)
 
 
-def _mean_depth(descents: int, likeliest: float) -> float:
+def _mean_depth(descents: int, tried_first: int, likeliest: float) -> float:
     """How deep descents go in the mean, at most.
 
-    Every descent adds one node, at most one cycle below what there is: a single path is half as deep in the mean as it
-    is long. It grows where an action is always the best one and its outcome sure. If observations are drawn alike
-    everywhere, the history of the likeliest ones, of probability p each, is reached p^depth as often as the root.
+    Every descent adds one node, and no node is left for a grandchild before all its actions have been tried: after n
+    descents the tree is at most 1 + n / A deep, a single path with A children at every node, and descents half of that.
+    It grows so where an action is always the best one and its outcome sure. Where no history of d cycles is likelier
+    than p^d, p being the probability of the likeliest observation, descents are hardly deeper than log n / log(1 / p).
     """
-    path = (descents + 1) / 2
+    path = 1 + (descents + 1) / (2 * tried_first)
     return path if likeliest == 1 else min(path, math.log(descents + 2) / -math.log(max(likeliest, 0.5)))
 
 
