@@ -82,10 +82,14 @@ def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:
     if not isinstance(model, FatiguePomdp):
         return ()
     # a set that was thinned keeps means and variances, at the price of states slightly outside what can be
-    fatigue = np.array([model.fatigue(state) for state in belief.states]).clip(0, 1)
+    fatigue = belief.states[:, : model.active_entries.size].clip(0, 1)
     means = belief.weights @ fatigue
     return tuple(
-        JointFatigue(ENTRIES[number], float(means[number]), *interval(fatigue[:, number], belief.weights))
+        JointFatigue(
+            ENTRIES[model.active_entries[number]],
+            float(means[number]),
+            *interval(fatigue[:, number], belief.weights),
+        )
         for number in np.argsort(-means, kind="stable")[:SHOWN_JOINTS]
         if means[number] > 0
     )

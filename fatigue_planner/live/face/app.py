@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import time
 from collections.abc import AsyncIterator
 from dataclasses import asdict
 from typing import Any
@@ -29,7 +30,9 @@ class Face:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._changed = asyncio.Event()
-        self._watchers = 0
+        self._watchers = self._changes = 0
+        self._event_of: tuple[int, int] | None = None
+        self._text = ""
 
     def application(self, tokens: Tokens, hosts: frozenset[str]) -> Guard:
         """The application, guarded."""
@@ -51,6 +54,7 @@ class Face:
         except FatplanError as error:
             code = 409 if isinstance(error, ContradictionError) else 422
             return JSONResponse({"error": str(error), "expected_cycle": self._session.cycle}, code, HEADERS)
+        self._changes += 1
         self._changed.set()
         self._changed = asyncio.Event()
         return JSONResponse(None if answer is None else asdict(answer), headers=HEADERS)
@@ -60,6 +64,14 @@ class Face:
 
     def _snapshot(self) -> dict[str, Any]:
         return {**asdict(self._session.state()), "watchers": self._watchers}
+
+    def _event(self) -> str:
+        """The newest state as an event, made once for all who watch."""
+        key = (self._changes, int(time.monotonic() / EVENT_EVERY_S))
+        if key != self._event_of:
+            self._event_of = key
+            self._text = f"data: {json.dumps(self._snapshot(), separators=(',', ':'))}\n\n"
+        return self._text
 
     async def _events(self, request: HttpRequest) -> Response:
         if self._watchers >= MAX_WATCHERS:
@@ -75,7 +87,7 @@ class Face:
         try:
             while not await request.is_disconnected():
                 changed = self._changed
-                yield f"data: {json.dumps(self._snapshot(), separators=(',', ':'))}\n\n"
+                yield self._event()
                 try:
                     await asyncio.wait_for(changed.wait(), EVENT_EVERY_S)
                 except TimeoutError:
