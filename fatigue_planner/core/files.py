@@ -48,13 +48,18 @@ def find_shipped(path: Path) -> Path:
     raise ExperimentError(f"{path}: neither a file nor the name of one that ships with fatplan: {names}.")
 
 
-def file_named_in(path: Path, named: str) -> Path:
+def file_named_in(path: Path, key: str, named: str) -> Path:
     """The file that the file `path` names: relative to its folder or, where there is none, one that ships by its name.
 
-    Raises ExperimentError like `find_shipped`.
+    Raises ExperimentError like `find_shipped`, with the file and its key.
     """
     beside = path.parent / named
-    return beside if beside.is_file() or not _NAME.fullmatch(named) else find_shipped(Path(named))
+    if beside.is_file() or not _NAME.fullmatch(named):
+        return beside
+    try:
+        return find_shipped(Path(named))
+    except ExperimentError as error:
+        raise ExperimentError(f"{path}: {key} = {error}") from None
 
 
 def writable_folder(folder: Path) -> Path:

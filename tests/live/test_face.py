@@ -15,13 +15,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import FATPLAN, fatplan
+from commands import FATPLAN, fatplan, finished, process
 
 from fatigue_planner.core.errors import EvidenceError
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
 from fatigue_planner.live.face.requests import CALLS, openapi, parse
 from fatigue_planner.live.journal_file import read_journal
+
+SERVE = ("live", "serve", "paper", "--condition", "multiple_novice", "--port", 0)
 
 
 @dataclass
@@ -49,18 +51,14 @@ class Server:
 
 
 def start(journal: Path, cache: Path) -> Server:
-    process = subprocess.Popen(
-        [*FATPLAN, "live", "serve", "paper", "--journal", journal, "--condition", "multiple_novice", "--port", "0",
-         "--cache", cache],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    assert process.stdout is not None
-    line = process.stdout.readline()
+    running = process(*SERVE, "--journal", journal, "--cache", cache)
+    assert running.stdout is not None
+    line = running.stdout.readline()
     found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/#(\S+)\n", line)
-    assert found, (line, process.stderr and process.stderr.read())
+    assert found, (line, running.stderr and running.stderr.read())
     act = journal.with_name(f"{journal.name}.act-token")
     assert act.stat().st_mode & 0o777 == 0o600
-    server = Server(process, int(found[1]), found[2], act.read_text().strip(), journal)
+    server = Server(running, int(found[1]), found[2], act.read_text().strip(), journal)
     for _ in range(100):
         with socket.socket() as probe:
             if probe.connect_ex(("127.0.0.1", server.port)) == 0:
@@ -275,11 +273,7 @@ def test_a_killed_server_goes_on(tmp_path: Path, cache_folder: Path) -> None:
     with server.process:
         again = server.call("/v1/decide", {"cycle": 4})[1]
         assert (again["cycle"], again["action"]) == (4, decision["action"])
-        second = subprocess.run(
-            [*FATPLAN, "live", "serve", "paper", "--journal", journal, "--condition", "multiple_novice", "--port", "0",
-             "--cache", cache_folder],
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
+        second = finished(*SERVE, "--journal", journal, "--cache", cache_folder)
         assert second.returncode == 2
         assert f"is being written by process {server.process.pid} since" in second.stderr
         server.process.send_signal(signal.SIGINT)

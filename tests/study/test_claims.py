@@ -380,3 +380,6 @@ def test_the_experiment_of_a_file_must_be_there(tmp_path: Path) -> None:
     path.write_text(PAPER_CLAIMS.read_text())
     with pytest.raises(ExperimentError, match="No such file"):
         load_claims(path)
+    path.write_text(PAPER_CLAIMS.read_text().replace("experiment: paper.yaml", "experiment: papre"))
+    with pytest.raises(ExperimentError, match=r"mine\.yaml: experiment = papre: neither a file nor the name"):
+        load_claims(path)

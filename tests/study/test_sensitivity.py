@@ -148,7 +148,7 @@ def test_the_base_is_a_file_or_one_that_ships(tmp_path: Path) -> None:
     assert load_study(write(tmp_path, {"base": "paper"})).base_file == PAPER
     (tmp_path / "paper").write_text(PAPER.read_text())
     assert load_study(write(tmp_path, {"base": "paper"})).base_file == tmp_path / "paper"
-    with pytest.raises(ExperimentError, match=r"papre: neither a file nor the name of one that ships"):
+    with pytest.raises(ExperimentError, match=r"study\.yaml: base = papre: neither a file nor the name"):
         load_study(write(tmp_path, {"base": "papre"}))
 
 

@@ -42,7 +42,7 @@ def load_claims(path: Path) -> Claims:
     """
     path = find_shipped(path)
     file = parse_settings(ClaimsFile, read_mapping(path, FileKind.CLAIMS, ClaimsError), str(path), ClaimsError)
-    experiment_file = file_named_in(path, file.experiment)
+    experiment_file = file_named_in(path, "experiment", file.experiment)
     experiment = load_experiment(experiment_file)
     faults = [fault for name, claim in file.claims.items() for fault in _faults(f"claims.{name}", claim, experiment)]
     if faults:

@@ -72,7 +72,7 @@ def load_study(path: Path) -> Study:
     settings = parse_settings(
         StudySettings, read_mapping(path, FileKind.STUDY, ExperimentError), str(path), ExperimentError
     )
-    base_file = file_named_in(path, settings.base)
+    base_file = file_named_in(path, "base", settings.base)
     try:
         base_content = complete_content(parse_experiment(read_content(base_file), str(base_file)))
         content = _with_grid(base_content, settings)
@@ -111,8 +111,8 @@ def load_study(path: Path) -> Study:
 def _read_claims(path: Path, settings: StudySettings) -> Claims | None:
     if settings.claims is None:
         return None
-    claims = load_claims(file_named_in(path, settings.claims))
-    if claims.experiment_file.resolve() != file_named_in(path, settings.base).resolve():
+    claims = load_claims(file_named_in(path, "claims", settings.claims))
+    if claims.experiment_file.resolve() != file_named_in(path, "base", settings.base).resolve():
         raise ExperimentError(
             f"{path}: claims = {settings.claims!r}: are about {claims.experiment_file}, not the base."
         )
