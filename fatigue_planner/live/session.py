@@ -137,13 +137,13 @@ class Session:
         model = scenario.model
         if not 0 < deadline_s < math.inf:
             raise SelectionError(f"deadline_s = {deadline_s}: should be a positive number of seconds.")
+        trial = Shift(scenario, settings, "")
         if safe_action is None:
-            start = Shift(scenario, settings, "").belief
-            safe_action = model.actions[int(start.expected_rewards().argmax())]
+            safe_action = model.actions[int(trial.belief.expected_rewards().argmax())]
         elif safe_action not in model.actions:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
         adviser, for_table = (Adviser(scenario, settings, model.actions.index(safe_action)) for _ in range(2))
-        warm_up(scenario, adviser, Shift(scenario, settings, ""), deadline_s)
+        warm_up(trial, adviser, deadline_s)
         opened = Opened(
             format=FORMAT,
             session=secrets.token_hex(8),
@@ -159,15 +159,16 @@ class Session:
         )
         written = Journal(Path(journal))
         try:
-            found = _last_opened(written)
-            if found is not None:
-                _check_same(found, opened, Path(journal))
-            shift = Shift(scenario, settings, (found or opened).session)
+            events = _since_opened(written.events)
+            found = events[0].event if events else opened
+            assert isinstance(found, Opened)
+            _check_same(found, opened, Path(journal))
+            shift = Shift(scenario, settings, found.session)
             session = cls(written, shift, adviser, Table(shift, for_table), deadline_s, clock)
-            if found is None:
+            if not events:
                 session._record(opened)
             else:
-                session._replay(written.events)
+                session._replay(events)
                 session._record(Resumed(origin=clock.origin()))
         except BaseException:
             written.close()
@@ -235,7 +236,6 @@ class Session:
         """A pause of so many seconds before this cycle; the decision, which is made anew."""
         with self._turn() as began:
             self._take(Rested(seconds=_seconds("seconds", seconds)))
-            self._ended_s, self._pending = min(self._ended_s + seconds, self._clock.seconds()), None
             return self._decided(began)
 
     def worker(self, pseudonym: str) -> CycleDecision:
@@ -250,19 +250,15 @@ class Session:
                 random = secrets.token_hex(8)
                 self._journal.join(random, pseudonym)
             if random != self._shift.worker:
-                now_s = self._clock.seconds()
                 left_s = self._left_s.get(random)
-                self._left_s[self._shift.worker] = now_s
-                away_s = None if left_s is None else min(max(now_s - left_s, 0.0), MAX_SECONDS)
+                away_s = None if left_s is None else min(max(self._clock.seconds() - left_s, 0.0), MAX_SECONDS)
                 self._take(WorkerChanged(worker=random, away_s=away_s))
-                self._ended_s, self._pending = now_s, None
             return self._decided(began)
 
     def advise(self, on: bool) -> CycleDecision:
         """Whether the belief decides for this worker, or the schedule, which knows nothing of him."""
         with self._turn() as began:
             self._take(Advice(on=on))
-            self._pending = None
             return self._decided(began)
 
     def note(self, text: str) -> None:
@@ -406,16 +402,27 @@ class Session:
         """The cycle going on has ended so."""
         prepared = self._table.take(event) if isinstance(event, Observed) else None
         self._take(event, prepared)
-        self._ended_s, self._pending = self._clock.seconds(), None
         self._prepared = prepared.choice if prepared else None
 
     def _take(self, event: Input, prepared: Prepared | None = None) -> None:
         self._record(event)
+        self._go_on(event, self._clock.seconds(), prepared)
+        self._prepare()
+
+    def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
+        """Stand where an input of this moment leads. What was decided stands only if it was a cycle told late."""
         self._account(event)
+        if isinstance(event, WorkerChanged):
+            self._left_s[self._shift.worker] = at_s
         self._shift.take(event, prepared.belief if prepared else None)
         self.counts.surprised += self._shift.belief.surprised and isinstance(event, Observed)
         if isinstance(event, Observed) and event.late:
-            self._prepare()
+            return
+        self._pending = None
+        if isinstance(event, Rested):
+            self._ended_s = min(self._ended_s + event.seconds, at_s)
+        elif not isinstance(event, Advice):
+            self._ended_s = at_s
 
     def _account(self, event: Event) -> None:
         self.counts.add(event, None if self._pending is None else self._pending.action)
@@ -425,34 +432,19 @@ class Session:
             self._recorded = self._journal.append(event, self._clock.seconds(), self._clock.utc().isoformat())
 
     def _replay(self, events: list[Stored]) -> None:
-        """Stand where the journal's shift stands."""
+        """Stand where the journal's shift stands; its events begin with that of its opening."""
         self._recorded = events[-1].number
-        first = max(number for number, one in enumerate(events) if isinstance(one.event, Opened))
         origin = ""
-        for stored in events[first:]:
+        for stored in events:
             event = stored.event
             if isinstance(event, Opened | Resumed):
                 origin = event.origin
-            at_s = self._now(stored, origin)
+            if isinstance(event, Input):
+                self._go_on(event, self._now(stored, origin))
+                continue
             self._account(event)
-            match event:
-                case Decided():
-                    self._stand(event)
-                case Observed(late=True) | Advice():
-                    self._shift.take(event)
-                case Observed() | Skipped():
-                    self._shift.take(event)
-                    self._ended_s, self._pending = at_s, None
-                case Rested():
-                    self._shift.take(event)
-                    self._ended_s, self._pending = min(self._ended_s + event.seconds, at_s), None
-                case WorkerChanged():
-                    self._left_s[self._shift.worker] = at_s
-                    self._shift.take(event)
-                    self._ended_s, self._pending = at_s, None
-            if isinstance(event, Advice):
-                self._pending = None
-            self.counts.surprised += self._shift.belief.surprised and isinstance(event, Observed)
+            if isinstance(event, Decided):
+                self._stand(event)
         self._prepare()
 
     def _now(self, stored: Stored, origin: str) -> float:
@@ -463,12 +455,12 @@ class Session:
         return self._clock.seconds() - max(ago_s, 0.0)
 
 
-def warm_up(scenario: Scenario, adviser: Adviser, shift: Shift, deadline_s: float) -> None:
+def warm_up(shift: Shift, adviser: Adviser, deadline_s: float) -> None:
     """Compile everything by running it on a shift that is thrown away.
 
     Raises SelectionError if a decision takes longer than the deadline even then.
     """
-    model = scenario.model
+    model = shift.scenario.model
     shift.belief.warm_up()
     times_s: dict[tuple[str | None, str], float] = {}  # of the fastest turn: another program may disturb the others
     for turn in range(3):
@@ -490,8 +482,10 @@ def warm_up(scenario: Scenario, adviser: Adviser, shift: Shift, deadline_s: floa
         )
 
 
-def _last_opened(journal: Journal) -> Opened | None:
-    return next((one.event for one in reversed(journal.events) if isinstance(one.event, Opened)), None)
+def _since_opened(events: list[Stored]) -> list[Stored]:
+    """The events of the shift that was opened last; none in a new journal."""
+    opened = [number for number, one in enumerate(events) if isinstance(one.event, Opened)]
+    return events[opened[-1] :] if opened else []
 
 
 def _check_same(before: Opened, now: Opened, path: Path) -> None:
@@ -523,7 +517,7 @@ def _seconds(name: str, value: object) -> float:
 
 
 def _likelihood(given: object, outcomes: tuple[str, ...]) -> dict[str, float]:
-    """Likelihoods by reaction, the largest of them 1. Raises EvidenceError."""
+    """Likelihoods by reaction. Raises EvidenceError."""
     what = f"should be numbers from 0 to 1, not all 0, by reaction: {listed(outcomes)}"
     if not isinstance(given, Mapping) or not given:
         raise EvidenceError(f"likelihood {shortened(given)}: {what}.")
