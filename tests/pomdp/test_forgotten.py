@@ -10,14 +10,14 @@ from itertools import product
 import numpy as np
 import pytest
 from test_evidence import CYCLE_S, timed
-from test_hidden_worker import CONTINUOUS, K, R, in_mind, lived, prior_of
+from test_hidden_worker import CONTINUOUS, K, R, features, in_mind, lived, posterior_on_grid, prior_of
 from test_particles import FALSE_ALARM, NOISY
 
 from fatigue_planner.pomdp.beliefs import hidden_worker
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.forgotten import Forgotten, Quadratic, design, fitted, nearest_quadratic, spread_out
 from fatigue_planner.pomdp.beliefs.hidden_worker import HiddenWorkerBelief
-from fatigue_planner.pomdp.beliefs.history import History, evidence_again, lived_by, relive
+from fatigue_planner.pomdp.beliefs.history import evidence_again, lived_by, relive
 from fatigue_planner.pomdp.fatigue_pomdp import Workers
 
 MIXED = prior_of(
@@ -25,10 +25,6 @@ MIXED = prior_of(
     recovery_rate_factor=R,
     expertise={"kind": "choice", "values": [0.0, 10.0], "probabilities": [0.5, 0.5]},
 )
-
-
-def features(workers: Workers) -> np.ndarray:
-    return np.array([np.log(workers[0]), workers[1], np.log(workers[2])])
 
 
 def begun(count: int, seed: int, prior: object = CONTINUOUS) -> HiddenWorkerBelief:
@@ -157,18 +153,7 @@ def test_the_posterior_survives_forgetting(monkeypatch: pytest.MonkeyPatch) -> N
     """
     monkeypatch.setattr(hidden_worker, "BLOCK", 20)
     task, past = in_mind(CONTINUOUS), some_past(200)
-    middles = (np.arange(30) + 0.5) / 30
-    grid = CONTINUOUS.at(np.stack(np.meshgrid(middles, middles, middles), axis=-1).reshape(-1, 3))
-    states = np.repeat(task.states[1:2], 30**3, axis=0)
-    states[:, -1] = np.arange(30**3)
-    actions, seen = np.array(past).T
-    outcomes = np.tile(seen.astype(np.int16), (30**3, 1))
-    whole = replace(
-        History.begin(states), actions=actions, outcomes=outcomes, shares=np.ones(200), rest_s=np.zeros(201)
-    )
-    log_likelihood = relive(task.model.for_workers(grid), states, whole)
-    posterior = np.exp(log_likelihood - log_likelihood.max())
-    posterior /= posterior.sum()
+    grid, posterior = posterior_on_grid(task, past, 30)
     truth = features(grid) @ posterior
     spread = np.sqrt(np.square(features(grid) - truth[:, None]) @ posterior)
     means, spreads = [], []

@@ -236,6 +236,26 @@ def test_particles_find_the_exact_posterior_of_a_finite_prior(recognition: np.nd
     assert z_scores(np.array(estimates)[:, likely], truth[likely]).max() < FALSE_ALARM
 
 
+def features(workers: Workers) -> np.ndarray:
+    """Log k, R and log beta, (3, n)."""
+    return np.array([np.log(workers[0]), workers[1], np.log(workers[2])])
+
+
+def posterior_on_grid(task: Scenario, past: list[tuple[int, int]], count: int) -> tuple[Workers, np.ndarray]:
+    """count^3 workers of CONTINUOUS, and their probabilities after what was seen from the second start on."""
+    middles = (np.arange(count) + 0.5) / count
+    grid = CONTINUOUS.at(np.stack(np.meshgrid(middles, middles, middles), axis=-1).reshape(-1, 3))
+    states = np.repeat(task.states[1:2], count**3, axis=0)
+    states[:, -1] = np.arange(count**3)
+    actions, seen = np.array(past).T
+    outcomes = np.tile(seen.astype(np.int16), (count**3, 1))
+    shares, rest_s = np.ones(len(past)), np.zeros(len(past) + 1)
+    history = replace(History.begin(states), actions=actions, outcomes=outcomes, shares=shares, rest_s=rest_s)
+    log_likelihood = relive(task.model.for_workers(grid), states, history)
+    posterior = np.exp(log_likelihood - log_likelihood.max())
+    return grid, posterior / posterior.sum()
+
+
 def test_particles_find_the_posterior_of_continuous_parameters() -> None:
     """Posterior means of log k, R and log beta after 40 reactions, against integration over a grid of 40^3 workers.
 
@@ -243,22 +263,7 @@ def test_particles_find_the_posterior_of_continuous_parameters() -> None:
     """
     task = in_mind(CONTINUOUS)
     past = lived(task.worker(np.array([0.9, 0.2, 0.8])), task.states[1], 40, 11)
-    middles = (np.arange(40) + 0.5) / 40
-    grid = CONTINUOUS.at(np.stack(np.meshgrid(middles, middles, middles), axis=-1).reshape(-1, 3))
-    states = np.repeat(task.states[1:2], 40**3, axis=0)
-    states[:, -1] = np.arange(40**3)
-    actions, seen = np.array(past).T
-    outcomes = np.tile(seen.astype(np.int16), (40**3, 1))
-    history = replace(
-        History.begin(states), actions=actions, outcomes=outcomes, shares=np.ones(40), rest_s=np.zeros(41)
-    )
-    log_likelihood = relive(task.model.for_workers(grid), states, history)
-    posterior = np.exp(log_likelihood - log_likelihood.max())
-    posterior /= posterior.sum()
-
-    def features(workers: Workers) -> np.ndarray:
-        return np.array([np.log(workers[0]), workers[1], np.log(workers[2])])
-
+    grid, posterior = posterior_on_grid(task, past, 40)
     truth = features(grid) @ posterior
     before = features(grid).mean(axis=1)
     spread = np.sqrt(np.square(features(grid) - truth[:, None]) @ posterior)
