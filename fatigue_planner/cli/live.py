@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -13,9 +13,46 @@ from fatigue_planner.cli.progress import talk, warn
 from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
 from fatigue_planner.core.text import counted
 
+if TYPE_CHECKING:
+    from fatigue_planner.planners.policy import PolicySettings
+    from fatigue_planner.pomdp.scenario import Scenario
+
 app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+
+
+def task_of(
+    experiment: Path, condition: str | None, policy: str | None, cache: Path
+) -> "tuple[Scenario, PolicySettings]":
+    """The scenario and the policy of a shift. Raises SelectionError, and what loading them raises."""
+    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.live.session import DEFAULT_POLICY
+    from fatigue_planner.planners.registry import policy as policy_settings
+
+    loaded = load_experiment(experiment)
+    known = loaded.benchmark.policies
+    if policy is not None and policy not in known:
+        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
+        raise SelectionError(
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
+        )
+    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
+    warn(omissions(loaded, profiles))
+    possible = without_infeasible(loaded, profiles)
+    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    return task, policy_settings(DEFAULT_POLICY) if policy is None else known[policy]
+
+
+def need_server() -> None:
+    """Raise MissingExtraError if there is nothing to serve the face with."""
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtraError("fatplan live needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -47,34 +84,16 @@ def serve(
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
-    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
-    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
-    from fatigue_planner.experiment.loader import load_experiment
+    need_server()
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
     from fatigue_planner.live.face.server import bound, serve, write_token
     from fatigue_planner.live.journal_file import last_seconds
     from fatigue_planner.live.session import Session
 
-    loaded = load_experiment(experiment)
-    known = loaded.benchmark.policies
-    if policy is not None and policy not in known:
-        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
-    conditions = loaded.benchmark.conditions
-    chosen = next(iter(conditions)) if condition is None else condition
-    if chosen not in conditions:
-        raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
-        )
-    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
-    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    task, settings = task_of(experiment, condition, policy, cache)
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
-        settings = None if policy is None else known[policy]
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
         with Session.open(journal, task, settings, deadline_s, safe_action, clock) as session:
             tokens, view, act = Tokens.make()
