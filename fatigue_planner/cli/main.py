@@ -37,6 +37,8 @@ COMMANDS = (
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
 live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
+live.app.command(epilog=options.EXIT_CODES)(clients.ur)
+live.app.command(epilog=options.EXIT_CODES)(clients.lsl)
 for group in (human.app, cache.app, live.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 

@@ -321,6 +321,8 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                actions=self._shift.scenario.model.actions,
+                reactions=self._shift.scenario.model.observations,
             )
 
     @property
