@@ -183,7 +183,7 @@ class Session:
         """
         with self._turn() as began:
             if cycle == self._shift.cycle + 1 and self._pending is not None:
-                unseen = Observed(cycle=self._shift.cycle, executed=self._pending.action)
+                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._pending.action))
                 self._end(unseen.model_copy(update={"idle_s": self._idle(unseen)}))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
@@ -256,7 +256,11 @@ class Session:
             return self._decided(began)
 
     def advise(self, on: bool) -> CycleDecision:
-        """Whether the belief decides for this worker, or the schedule, which knows nothing of him."""
+        """Whether a belief is kept of this worker and decides, or the schedule, which knows nothing of him.
+
+        It holds from the next cycle on. Switched off, what was believed of him is forgotten at once, and of a cycle
+        only what the robot did is kept; switched on again, he is a newcomer.
+        """
         with self._turn() as began:
             self._take(Advice(on=on))
             return self._decided(began)
@@ -278,7 +282,7 @@ class Session:
                 worker=self._shift.worker,
                 advised=self._shift.advised,
                 counts=replace(self.counts),
-                joints=joint_fatigue(self._shift.belief),
+                joints=joint_fatigue(self._shift.belief) if self._shift.advised else (),
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
@@ -350,7 +354,7 @@ class Session:
 
     def _prepare(self) -> None:
         """Prepare what may follow the cycle that was decided."""
-        if self._pending is not None:
+        if self._pending is not None and self._shift.advised:
             self._table.prepare(self._shift.belief, self._pending.cycle, self._pending.action)
 
     def _checked(
@@ -384,16 +388,24 @@ class Session:
             raise EvidenceError(f"observation {shortened(observation)}: should be one of {listed(model.observations)}.")
         if likelihood is not None:
             likelihood = _likelihood(likelihood, model.outcomes)
-        return Observed(
+        event = Observed(
             cycle=cycle,
             executed=executed,
             observation=observation,
             likelihood=likelihood,
             duration_s=None if duration_s is None else _seconds("duration_s", duration_s),
         )
+        return self._kept(event, before)
+
+    def _kept(self, event: Observed, before: Observed | Skipped | None = None) -> Observed:
+        """What may be kept of what was said of a cycle, of which something may have been kept before."""
+        was_off = before.off if isinstance(before, Observed) else before is None and not self._shift.advised
+        return event.without_worker() if was_off else event
 
     def _idle(self, event: Observed) -> float:
         """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
+        if event.off:
+            return 0.0
         planned_s = self._shift.planned_s if event.duration_s is None else event.duration_s
         idle_s = self._clock.seconds() - self._ended_s - planned_s
         return 0.0 if idle_s < MIN_IDLE_S else min(idle_s, MAX_SECONDS)
@@ -410,7 +422,7 @@ class Session:
         self._prepare()
 
     def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
-        """Stand where an input of this moment leads. What was decided stands only if it was a cycle told late."""
+        """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
         self._account(event)
         if isinstance(event, WorkerChanged):
             self._left_s[self._shift.worker] = at_s
@@ -418,11 +430,11 @@ class Session:
         self.counts.surprised += self._shift.belief.surprised and isinstance(event, Observed)
         if isinstance(event, Observed) and event.late:
             return
+        if isinstance(event, Advice):
+            self._prepared = None
+            return
         self._pending = None
-        if isinstance(event, Rested):
-            self._ended_s = min(self._ended_s + event.seconds, at_s)
-        elif not isinstance(event, Advice):
-            self._ended_s = at_s
+        self._ended_s = min(self._ended_s + event.seconds, at_s) if isinstance(event, Rested) else at_s
 
     def _account(self, event: Event) -> None:
         self.counts.add(event, None if self._pending is None else self._pending.action)

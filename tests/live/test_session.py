@@ -303,8 +303,42 @@ def test_without_news_the_schedule_decides(scenario: fp.Scenario, path: Path, cl
         assert session.decide().fallback == "schedule"
         clock.pass_(CYCLE_S)
         assert session.observe(session.cycle, observation="arm").fallback == "none"
-        assert session.advise(False).fallback == "schedule"
-        assert session.advise(True).fallback == "none"
+
+
+def test_switched_off_nothing_is_kept_of_a_worker(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Neither a belief nor what was seen, however it is said; the schedule decides from the next cycle on."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.worker("w-7f3a")
+        cycles(session, clock, ["arm", None, "back"])
+        newcomer = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+        decided = session.decide()
+        assert session.advise(False).action == decided.action and decided.fallback == "none"
+        clock.pass_(CYCLE_S)
+        assert session.observe(4, observation="arm", duration_s=15.0).fallback == "schedule"
+        session.observe(4, likelihood={"back": 1.0})  # it is not known what was said: no contradiction
+        session.observe(2, observation="arm")  # told late
+        with pytest.raises(ContradictionError):
+            session.observe(4, executed="high" if decided.action == "low" else "low")
+        clock.pass_(CYCLE_S)
+        session.decide(cycle=6)
+        session.rest(60)
+        state = session.state()
+        assert not state.advised and state.joints == () and state.counts.unseen == 1
+        assert np.array_equal(session._shift.belief.states, newcomer.states)
+        assert all(np.array_equal(past.belief.states, newcomer.states) for past in session._shift._past)
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.digest() == digest and session.decide().fallback == "schedule"
+        session.advise(True)
+        session.observe(5, observation="arm")  # of a cycle in which he was off
+        assert np.array_equal(session._shift.belief.states, newcomer.states)
+        clock.pass_(CYCLE_S)
+        assert session.observe(6, observation="arm").fallback == "none"
+        assert not np.array_equal(session._shift.belief.states, newcomer.states)
+    ended = {one.event.cycle: one.event for one in read_journal(path) if isinstance(one.event, Observed)}
+    assert [ended[cycle].off for cycle in range(1, 7)] == [False, False, False, True, True, False]
+    for cycle in (4, 5):
+        assert ended[cycle] == Observed(cycle=cycle, executed=ended[cycle].executed, off=True)
 
 
 def test_workers_are_never_mixed(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
