@@ -82,11 +82,16 @@ class RecentDoses:
         """Another cycle; or one that was told late, in place of what it was taken for."""
         before = self._cycles.get(number)
         self._cycles[number] = cycle if before is None else replace(cycle, ended_s=before.ended_s)
+        self._forget(cycle.ended_s - HOUR_S)
 
     def last_hour(self, model: FatiguePomdp, now_s: float) -> Doses:
         """The doses of the hour before now, as one."""
-        self._cycles = {number: one for number, one in self._cycles.items() if one.ended_s > now_s - HOUR_S}
+        self._forget(now_s - HOUR_S)
         return doses(model, [replace(one, ended_s=0.0) for one in self._cycles.values()])
+
+    def _forget(self, until_s: float) -> None:
+        while self._cycles and next(iter(self._cycles.values())).ended_s <= until_s:
+            del self._cycles[next(iter(self._cycles))]
 
 
 def reaction_chances(before: Belief, action: int, likelihood: Vector) -> Vector:
