@@ -52,6 +52,7 @@ class Opened(Settings):
     versions: dict[str, str]
     origin: str  # of the clock
     alarms: AlarmSettings | None = None  # None in journals that are older
+    rehearsal: bool = False  # the clock was not the machine's
 
 
 class Resumed(Settings):
@@ -75,12 +76,21 @@ class Decided(Settings):
     duration_s: float
 
 
+class Executed(Settings):
+    """What the robot does in a cycle, as it said itself; None: it does not answer."""
+
+    kind: Literal["executed"] = "executed"
+    cycle: Cycle
+    action: str | None
+
+
 class Observed(Settings):
     """A cycle ended. What the robot did counts (`executed`), not what it was asked.
 
     observation: as what the reaction was recognised; likelihood: of every reaction, by its name, where a recogniser
     gives that; neither: nothing was seen. idle_s: rest between the end of the cycle before and the beginning of this.
-    late: told after the next cycle's decision, in which the cycle counted as not seen.
+    late: told after the next cycle's decision, in which the cycle counted as not seen. off: the worker wants no belief
+    about him, so that only what the robot did is kept.
     """
 
     kind: Literal["observed"] = "observed"
@@ -91,11 +101,16 @@ class Observed(Settings):
     duration_s: Seconds | None = None
     idle_s: Seconds = 0.0
     late: bool = False
+    off: bool = False
 
     @property
     def is_blind(self) -> bool:
-        """Whether nothing was seen."""
-        return self.observation is None and self.likelihood is None
+        """Whether something could have been seen, but was not."""
+        return self.observation is None and self.likelihood is None and not self.off
+
+    def without_worker(self) -> "Observed":
+        """What is kept of it where the belief is off: cycle and action."""
+        return Observed(cycle=self.cycle, executed=self.executed, off=True)
 
 
 class Skipped(Settings):
@@ -125,7 +140,7 @@ class WorkerChanged(Settings):
 
 
 class Advice(Settings):
-    """Whether the belief decides for this worker, or the schedule, which needs no belief."""
+    """Whether a belief is kept of this worker and decides, from the next cycle on; else the schedule does."""
 
     kind: Literal["advice"] = "advice"
     on: bool
@@ -186,6 +201,7 @@ Event = (
     Opened
     | Resumed
     | Decided
+    | Executed
     | Observed
     | Skipped
     | Rested

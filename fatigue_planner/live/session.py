@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 from fatigue_planner.core.errors import (
     ContradictionError,
@@ -39,6 +39,7 @@ from fatigue_planner.live.events import (
     Contradicted,
     Decided,
     Event,
+    Executed,
     Fallback,
     Input,
     Noted,
@@ -53,7 +54,7 @@ from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Choice, Shift
-from fatigue_planner.live.state import Counts, SessionState, joint_fatigue, pauses
+from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
 from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
@@ -122,6 +123,9 @@ class Session:
         self._pending: CycleDecision | None = None
         self._prepared: Choice | None = None
         self._recorded = -1
+        # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
+        self._told: Executed | None = None
+        self._robot_cycle, self._robot_silent = 0, False
         # by the clock: when the last cycle or pause ended, and when workers who are away had left
         self._ended_s = clock.seconds()
         self._left_s: dict[str, float] = {}
@@ -173,6 +177,7 @@ class Session:
             versions=versions(),
             origin=clock.origin(),
             alarms=alarms,
+            rehearsal=clock.is_rehearsal(),
         )
         written = Journal(Path(journal))
         try:
@@ -201,10 +206,36 @@ class Session:
         """
         with self._turn() as began:
             if cycle == self._shift.cycle + 1 and self._pending is not None:
-                unseen = Observed(cycle=self._shift.cycle, executed=self._pending.action)
+                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._doing(self._pending.action)))
                 self._end(unseen.model_copy(update={"idle_s": self._idle(unseen)}))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
+            return self._decided(began)
+
+    def executed(self, cycle: int, action: str | None = None) -> CycleDecision:
+        """What the robot does in this cycle, as it says itself; None: it does not answer. The decision stands.
+
+        It counts where nothing else is said when the cycle ends. Said again, it changes nothing. Raises CycleError for
+        a cycle that is neither going on nor among the last ones, ContradictionError if something else was said before.
+        """
+        with self._turn() as began:
+            actions = self._shift.scenario.model.actions
+            if action is not None and action not in actions:
+                raise EvidenceError(f"action {shortened(action)}: should be one of {listed(actions)}.")
+            self._check_cycle(cycle)
+            event = Executed(cycle=cycle, action=action)
+            before = self._shift.recent(cycle)
+            if cycle == self._shift.cycle:
+                known = None if self._told is None else self._told.action
+            else:
+                known = before.executed if isinstance(before, Observed) else None
+            if action is not None and known is not None and action != known:
+                self._contradict(event, f"the robot did {known}, was said before")
+            if not self._robot_silent if action is None else self._robot_silent or cycle > self._robot_cycle:
+                self._record(event)
+                self._hear(event)
+                if cycle == self._shift.cycle:
+                    self._prepare()
             return self._decided(began)
 
     def observe(
@@ -236,9 +267,7 @@ class Session:
             elif isinstance(before, Observed) and before.is_blind:
                 self._take(event.model_copy(update={"idle_s": before.idle_s, "late": True}))
             else:
-                contradiction = Contradicted(cycle=cycle, said=body_of(event))
-                self._tell(contradiction)
-                raise ContradictionError(f"cycle {cycle}: was observed otherwise before; the first stands.")
+                self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
     def skip(self, duration_s: float | None = None) -> CycleDecision:
@@ -273,7 +302,11 @@ class Session:
             return self._decided(began)
 
     def advise(self, on: bool) -> CycleDecision:
-        """Whether the belief decides for this worker, or the schedule, which knows nothing of him."""
+        """Whether a belief is kept of this worker and decides, or the schedule, which knows nothing of him.
+
+        It holds from the next cycle on. Switched off, what was believed of him is forgotten at once, and of a cycle
+        only what the robot did is kept; switched on again, he is a newcomer.
+        """
         with self._turn() as began:
             self._take(Advice(on=on))
             return self._decided(began)
@@ -305,11 +338,13 @@ class Session:
                 advised=self._shift.advised,
                 counts=replace(self.counts),
                 planned_s=self._shift.planned_s,
-                joints=joint_fatigue(self._shift.belief),
+                joints=joint_fatigue(self._shift.belief) if self._shift.advised else (),
                 pauses=pauses(self._watch, levels, self._shift, self._clock.seconds()),
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
+                robot=self._robot(),
+                rehearsal=self._clock.is_rehearsal(),
             )
 
     @property
@@ -377,8 +412,41 @@ class Session:
 
     def _prepare(self) -> None:
         """Prepare what may follow the cycle that was decided."""
-        if self._pending is not None:
-            self._table.prepare(self._shift.belief, self._pending.cycle, self._pending.action)
+        if self._pending is not None and self._shift.advised:
+            self._table.prepare(self._shift.belief, self._pending.cycle, self._doing(self._pending.action))
+
+    def _doing(self, decided: str) -> str:
+        """What the robot does in the cycle going on: what it said itself, else what was decided."""
+        told = None if self._told is None else self._told.action
+        return decided if told is None else told
+
+    def _hear(self, event: Executed) -> None:
+        """The robot said what it does, or that it does not answer was said."""
+        self._robot_silent = event.action is None
+        if event.action is not None:
+            self._robot_cycle = event.cycle
+            if event.cycle == self._shift.cycle:
+                self._told = event
+
+    def _robot(self) -> Robot:
+        """Whether the robot says what it does; one that said nothing of the cycle before is unreachable."""
+        if self._robot_silent or 0 < self._robot_cycle < self._shift.cycle - 1:
+            return "unreachable"
+        return "answers" if self._robot_cycle else "unknown"
+
+    def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
+        self._tell(Contradicted(cycle=event.cycle, said=body_of(event)))
+        raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
+
+    def _check_cycle(self, cycle: object) -> None:
+        """Raise CycleError unless something may be said of this cycle."""
+        if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
+            raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
+        if cycle != self._shift.cycle and self._shift.recent(cycle) is None:
+            raise CycleError(
+                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
+                f"only the last {LATE_CYCLES} before it may be told late."
+            )
 
     def _checked(
         self,
@@ -390,17 +458,12 @@ class Session:
     ) -> Observed:
         """What was said of a cycle. Raises EvidenceError, CycleError."""
         model = self._shift.scenario.model
-        if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
-            raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
+        self._check_cycle(cycle)
         before = self._shift.recent(cycle)
-        if cycle != self._shift.cycle and before is None:
-            raise CycleError(
-                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
-                f"only the last {LATE_CYCLES} before it may be told late."
-            )
+        told = None if cycle != self._shift.cycle or self._told is None else self._told.action
         if executed is None:
             decided = self._pending if self._pending is not None and self._pending.cycle == cycle else before
-            executed = getattr(decided, "action", None) or getattr(decided, "executed", None)
+            executed = told or getattr(decided, "action", None) or getattr(decided, "executed", None)
             if executed is None:
                 raise CycleError(f"cycle {cycle}: nothing was decided for it; say what the robot did (executed).")
         if executed not in model.actions:
@@ -411,16 +474,27 @@ class Session:
             raise EvidenceError(f"observation {shortened(observation)}: should be one of {listed(model.observations)}.")
         if likelihood is not None:
             likelihood = _likelihood(likelihood, model.outcomes)
-        return Observed(
+        event = Observed(
             cycle=cycle,
             executed=executed,
             observation=observation,
             likelihood=likelihood,
             duration_s=None if duration_s is None else _seconds("duration_s", duration_s),
         )
+        event = self._kept(event, before)
+        if told is not None and executed != told:
+            self._contradict(event, f"the robot did {told}, as it said itself")
+        return event
+
+    def _kept(self, event: Observed, before: Observed | Skipped | None = None) -> Observed:
+        """What may be kept of what was said of a cycle, of which something may have been kept before."""
+        was_off = before.off if isinstance(before, Observed) else before is None and not self._shift.advised
+        return event.without_worker() if was_off else event
 
     def _idle(self, event: Observed) -> float:
         """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
+        if event.off:
+            return 0.0
         planned_s = self._shift.planned_s if event.duration_s is None else event.duration_s
         idle_s = self._clock.seconds() - self._ended_s - planned_s
         return 0.0 if idle_s < MIN_IDLE_S else min(idle_s, MAX_SECONDS)
@@ -437,7 +511,7 @@ class Session:
         self._prepare()
 
     def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
-        """Stand where an input of this moment leads. What was decided stands only if it was a cycle told late."""
+        """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
         is_metered = isinstance(event, Observed) and self._shift.advised
         before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
         self._account(event, at_s, before)
@@ -447,10 +521,17 @@ class Session:
         self.counts.surprised += self._shift.belief.surprised and isinstance(event, Observed)
         if isinstance(event, Observed) and event.late:
             return
+        if isinstance(event, Advice):
+            self._prepared = None
+            return
         self._pending = None
+        if isinstance(event, Observed | Skipped):
+            self._told = None
+            # the robot need not speak of a cycle in which it did nothing
+            self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
         if isinstance(event, Rested):
             self._ended_s = min(self._ended_s + event.seconds, at_s)
-        elif not isinstance(event, Advice):
+        else:
             self._ended_s = at_s
 
     def _tell(self, event: Event) -> None:
@@ -492,7 +573,7 @@ class Session:
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
-            self._recorded = self._journal.append(event, self._clock.seconds(), self._clock.utc().isoformat())
+            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc().isoformat())
 
     def _replay(self, events: list[Stored]) -> None:
         """Stand where the journal's shift stands; its events begin with that of its opening."""
@@ -508,6 +589,8 @@ class Session:
             self._account(event, self._now(stored, origin))
             if isinstance(event, Decided):
                 self._stand(event)
+            elif isinstance(event, Executed):
+                self._hear(event)
         self._prepare()
 
     def _now(self, stored: Stored, origin: str) -> float:
@@ -559,6 +642,7 @@ def _check_same(before: Opened, now: Opened, path: Path) -> None:
         "the policy": ((before.policy, before.policy_sources), (now.policy, now.policy_sources)),
         "the safe action": (before.safe_action, now.safe_action),
         "the program's version": (before.versions, now.versions),
+        "the clock (the machine's, or a rehearsal's)": (before.rehearsal, now.rehearsal),
     }
     different = [name for name, (old, new) in parts.items() if old != new]
     if different:

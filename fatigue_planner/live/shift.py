@@ -82,7 +82,7 @@ class Shift:
     """Where a shift stands.
 
     cycle: the number of the cycle that comes or goes on, from 1; belief: before it; worker: whose it is, "" until one
-    was named; advised: whether the belief decides for this worker.
+    was named; advised: whether a belief is kept of this worker and decides. If not, belief is that in a newcomer.
     """
 
     def __init__(self, scenario: Scenario, settings: PolicySettings, session: str) -> None:
@@ -102,14 +102,16 @@ class Shift:
                 self._past.append(_Past(self.cycle, self.belief))
                 self.cycle += 1
             case Advice():
-                self.advised = event.on
+                if event.on != self.advised:
+                    self._switch(event.on)
                 return
             case WorkerChanged():
                 self._change(event)
                 return
         if self._past:
             self._past[-1].inputs.append(event)
-        self.belief = self.after(self.belief, event) if after is None else after
+        if self.advised:
+            self.belief = self.after(self.belief, event) if after is None else after
 
     def recent(self, cycle: int) -> Observed | Skipped | None:
         """How a cycle ended, if that may still be corrected."""
@@ -175,7 +177,15 @@ class Shift:
             self.belief, self.advised = self._newcomer(), True
         else:
             belief, self.advised = self._others.pop(event.worker)
-            self.belief = belief.rest(event.away_s)
+            self.belief = belief.rest(event.away_s) if self.advised else belief
+
+    def _switch(self, on: bool) -> None:
+        """Forget what was believed and seen of this worker, but not what the robot did: it may be said again."""
+        self.advised, self.belief = on, self._newcomer()
+        for number, past in enumerate(self._past):
+            ended = past.inputs[0]
+            kept = ended.without_worker() if isinstance(ended, Observed) else ended
+            self._past[number] = _Past(past.cycle, self.belief, [kept])
 
     def _correct(self, event: Observed | Skipped) -> None:
         """Derive the belief anew from the cycle on that is now known."""

@@ -112,7 +112,12 @@ class Watch:
                 self._lived.append(_Lived(event, at_s, worker, before))
                 if len(self._lived) > MAX_UNMETERED:
                     self._meter()
-            case WorkerChanged() | Advice() | Rested() | Skipped():
+            case Advice(on=False):
+                self._coming = 0, ()
+                with self._looking:
+                    self._lived = deque(one for one in self._lived if one.worker != worker)
+                    self._recent.pop(worker, None)
+            case WorkerChanged() | Rested() | Skipped():
                 self._coming = 0, ()
 
     def look(self, belief: Belief) -> Levels:
