@@ -8,7 +8,7 @@ import math
 import secrets
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -32,7 +32,9 @@ from fatigue_planner.live.events import (
     FORMAT,
     MAX_NOTE_LENGTH,
     MAX_SECONDS,
+    Acknowledged,
     Advice,
+    AlarmSettings,
     Closed,
     Contradicted,
     Decided,
@@ -50,11 +52,14 @@ from fatigue_planner.live.events import (
 )
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
+from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Choice, Shift
-from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue
+from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
+from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
+from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
 
 DEFAULT_POLICY = {"kind": "lookahead", "depth": 2, "leaf_value": "bound"}
@@ -100,10 +105,19 @@ class Session:
     """
 
     def __init__(
-        self, journal: Journal, shift: Shift, adviser: Adviser, table: Table, deadline_s: float, clock: Clock
+        self,
+        journal: Journal,
+        shift: Shift,
+        adviser: Adviser,
+        table: Table,
+        watch: Watch,
+        deadline_s: float,
+        clock: Clock,
     ) -> None:
         """See `open`, which makes sessions."""
         self._journal, self._shift, self._adviser, self._table = journal, shift, adviser, table
+        self._watch = watch
+        table.look, table.foresee = self._look, self._foresee
         self._deadline_s, self._clock = deadline_s, clock
         self._lock = threading.Lock()
         self._pending: CycleDecision | None = None
@@ -126,18 +140,20 @@ class Session:
         deadline_s: float = 0.05,
         safe_action: str | None = None,
         clock: Clock | None = None,
+        alarms: AlarmSettings | None = None,
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
         policy: by default an exact lookahead over two cycles with cyclic plans beyond. deadline_s: what takes longer is
             counted as late. safe_action: what is left to do where nothing else decides; by default the action that
-            costs least in the first cycle. clock: by default the machine's.
+            costs least in the first cycle. clock: by default the machine's. alarms: when a pause is wanted, from now
+            on.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
         """
         settings = policy_settings(DEFAULT_POLICY if policy is None else policy)
-        clock = clock or SystemClock()
+        clock, alarms = clock or SystemClock(), alarms or AlarmSettings()
         model = scenario.model
         if not 0 < deadline_s < math.inf:
             raise SelectionError(f"deadline_s = {deadline_s}: should be a positive number of seconds.")
@@ -160,6 +176,7 @@ class Session:
             deadline_s=deadline_s,
             versions=versions(),
             origin=clock.origin(),
+            alarms=alarms,
             rehearsal=clock.is_rehearsal(),
         )
         written = Journal(Path(journal))
@@ -169,12 +186,13 @@ class Session:
             assert isinstance(found, Opened)
             _check_same(found, opened, Path(journal))
             shift = Shift(scenario, settings, found.session)
-            session = cls(written, shift, adviser, Table(shift, for_table), deadline_s, clock)
+            watch = Watch(model, alarms, shift.likelihood)
+            session = cls(written, shift, adviser, Table(shift, for_table), watch, deadline_s, clock)
             if not events:
                 session._record(opened)
             else:
                 session._replay(events)
-                session._record(Resumed(origin=clock.origin()))
+                session._record(Resumed(origin=clock.origin(), alarms=alarms))
         except BaseException:
             written.close()
             raise
@@ -293,6 +311,14 @@ class Session:
             self._take(Advice(on=on))
             return self._decided(began)
 
+    def acknowledge(self) -> None:
+        """Somebody has seen the alarms that are on; they are told again if they still are after `repeat_s`."""
+        self._look()
+        with self._lock:
+            entries = tuple(one.entry for one in self._watch.alarms.now() if not one.acknowledged)
+            if entries:
+                self._tell(Acknowledged(entries=entries))
+
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
         with self._lock:
@@ -300,6 +326,7 @@ class Session:
 
     def state(self) -> SessionState:
         """Where the shift stands, for people to look at."""
+        levels = self._look()
         with self._lock:
             pending = self._pending
             return SessionState(
@@ -310,7 +337,9 @@ class Session:
                 worker=self._shift.worker,
                 advised=self._shift.advised,
                 counts=replace(self.counts),
+                planned_s=self._shift.planned_s,
                 joints=joint_fatigue(self._shift.belief) if self._shift.advised else (),
+                pauses=pauses(self._watch, levels, self._shift, self._clock.seconds()),
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
@@ -330,8 +359,8 @@ class Session:
 
     def close(self) -> None:
         """End the session in good order. Raises OutputFolderError if not everything could be recorded."""
+        self._table.close()  # its thread may be waiting for the lock
         with self._lock:
-            self._table.close()
             self._record(Closed())
             self._journal.close()
 
@@ -368,8 +397,7 @@ class Session:
                 late=took_s > self._deadline_s,
                 duration_s=took_s,
             )
-            self._record(event)
-            self._account(event)
+            self._tell(event)
             self._stand(event)
             self._prepare()
         assert self._pending is not None
@@ -407,9 +435,7 @@ class Session:
         return "answers" if self._robot_cycle else "unknown"
 
     def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
-        contradiction = Contradicted(cycle=event.cycle, said=body_of(event))
-        self._record(contradiction)
-        self._account(contradiction)
+        self._tell(Contradicted(cycle=event.cycle, said=body_of(event)))
         raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
 
     def _check_cycle(self, cycle: object) -> None:
@@ -486,7 +512,9 @@ class Session:
 
     def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
         """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
-        self._account(event)
+        is_metered = isinstance(event, Observed) and self._shift.advised
+        before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
+        self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
             self._left_s[self._shift.worker] = at_s
         self._shift.take(event, prepared.belief if prepared else None)
@@ -506,8 +534,42 @@ class Session:
         else:
             self._ended_s = at_s
 
-    def _account(self, event: Event) -> None:
+    def _tell(self, event: Event) -> None:
+        """Record an event that is no input, and stand where it leads."""
+        self._record(event)
+        self._account(event, self._clock.seconds())
+
+    def _account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
+        """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
         self.counts.add(event, None if self._pending is None else self._pending.action)
+        self._watch.account(event, at_s, self._shift.worker, before)
+
+    def _look(self) -> Levels:
+        """Look at the belief, and tell the alarms that are due. Not to be called in a turn."""
+        belief = self._shift.belief
+        levels = self._watch.look(belief)
+        with self._lock:
+            if belief is self._shift.belief and self._shift.advised:
+                for event in self._watch.alarms.due(levels.robot, self._shift.cycle, self._clock.seconds()):
+                    self._tell(event)
+        return levels
+
+    def _foresee(self, has_ended: Callable[[], bool]) -> None:
+        """Find out what will pass the limit, as long as the cycle goes on."""
+        with self._lock:
+            belief, cycle, is_known = self._shift.belief, self._shift.cycle, self._shift.advised
+            by_belief = self.counts.unseen_in_a_row < UNSEEN_LIMIT
+
+        def plan(then: Belief, n: int) -> int:
+            if has_ended():
+                raise InterruptedError
+            adviser = self._table.adviser
+            choice = adviser.choose(then, cycle + n) if by_belief else adviser.without_belief(cycle + n)
+            return choice.action
+
+        if is_known:
+            with suppress(InterruptedError):
+                self._watch.foresee(belief, cycle, plan)
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
@@ -524,7 +586,7 @@ class Session:
             if isinstance(event, Input):
                 self._go_on(event, self._now(stored, origin))
                 continue
-            self._account(event)
+            self._account(event, self._now(stored, origin))
             if isinstance(event, Decided):
                 self._stand(event)
             elif isinstance(event, Executed):
