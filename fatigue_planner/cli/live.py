@@ -37,6 +37,9 @@ def serve(
     ] = None,
     host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    rehearsal: Annotated[
+        bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
+    ] = False,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
 ) -> None:
@@ -49,8 +52,10 @@ def serve(
     from fatigue_planner.experiment.build import load_cycle_profiles, scenario
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
     from fatigue_planner.live.face.server import bound, serve, write_token
+    from fatigue_planner.live.journal_file import last_seconds
     from fatigue_planner.live.session import Session
 
     loaded = load_experiment(experiment)
@@ -70,7 +75,8 @@ def serve(
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
         settings = None if policy is None else known[policy]
-        with Session.open(journal, task, settings, deadline_s, safe_action) as session:
+        clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
+        with Session.open(journal, task, settings, deadline_s, safe_action, clock) as session:
             tokens, view, act = Tokens.make()
             address = f"http://{host}:{listening.getsockname()[1]}"
             for right, token in (("view", view), ("act", act)):
@@ -81,7 +87,7 @@ def serve(
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
-            serve(session, listening, tokens)
+            serve(session, listening, tokens, clock)
 
 
 @app.command(epilog=options.EXIT_CODES)

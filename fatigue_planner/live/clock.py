@@ -2,10 +2,13 @@
 
 import time
 from abc import ABC, abstractmethod
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+from fatigue_planner.core.errors import EvidenceError, shortened
+
 BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
+MAX_REHEARSAL_S = 366 * 86_400.0
 
 
 class Clock(ABC):
@@ -34,6 +37,10 @@ class Clock(ABC):
     def origin(self) -> str:
         """What `seconds` counts from: `seconds` of the same origin can be compared."""
 
+    def is_rehearsal(self) -> bool:
+        """Whether what it shows is not the time: a journal written by such a clock is marked as a rehearsal's."""
+        return True
+
 
 class SystemClock(Clock):
     """The machine's: CLOCK_BOOTTIME, which also counts the time in suspend (Linux), and the wall clock in UTC."""
@@ -52,3 +59,37 @@ class SystemClock(Clock):
     def origin(self) -> str:
         """See Clock.origin."""
         return self._origin
+
+    def is_rehearsal(self) -> bool:
+        """See Clock.is_rehearsal."""
+        return False
+
+
+class RehearsalClock(Clock):
+    """A clock that stands until it is moved on; it begins on a day on which nobody worked with this program."""
+
+    BEGIN = datetime(2000, 1, 1, 6, tzinfo=UTC)
+
+    def __init__(self, seconds: float = 0.0) -> None:
+        self._seconds = seconds
+
+    def move(self, seconds: float) -> None:
+        """Show so many seconds from now on. Raises EvidenceError for fewer than before, or more than a year."""
+        if not self._seconds <= seconds <= MAX_REHEARSAL_S:
+            raise EvidenceError(
+                f"seconds {shortened(seconds)}: the rehearsal's clock shows {self._seconds:g} and is never set back, "
+                f"nor beyond {MAX_REHEARSAL_S:g}."
+            )
+        self._seconds = seconds
+
+    def seconds(self) -> float:
+        """See Clock.seconds."""
+        return self._seconds
+
+    def utc(self) -> datetime:
+        """See Clock.utc."""
+        return self.BEGIN + timedelta(seconds=self._seconds)
+
+    def origin(self) -> str:
+        """See Clock.origin."""
+        return "rehearsal"

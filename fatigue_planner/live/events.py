@@ -36,6 +36,7 @@ class Opened(Settings):
     deadline_s: float
     versions: dict[str, str]
     origin: str  # of the clock
+    rehearsal: bool = False  # the clock was not the machine's
 
 
 class Resumed(Settings):
@@ -56,6 +57,14 @@ class Decided(Settings):
     prepared: bool
     late: bool
     duration_s: float
+
+
+class Executed(Settings):
+    """What the robot does in a cycle, as it said itself; None: it does not answer."""
+
+    kind: Literal["executed"] = "executed"
+    cycle: Cycle
+    action: str | None
 
 
 class Observed(Settings):
@@ -143,6 +152,17 @@ class Closed(Settings):
 
 Input = Observed | Skipped | Rested | WorkerChanged | Advice
 Event = (
-    Opened | Resumed | Decided | Observed | Skipped | Rested | WorkerChanged | Advice | Contradicted | Noted | Closed
+    Opened
+    | Resumed
+    | Decided
+    | Executed
+    | Observed
+    | Skipped
+    | Rested
+    | WorkerChanged
+    | Advice
+    | Contradicted
+    | Noted
+    | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

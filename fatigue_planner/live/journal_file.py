@@ -126,6 +126,13 @@ def last_row(connection: sqlite3.Connection) -> tuple[int, str]:
     return (-1, BEGINNING) if row is None else (int(row[0]), str(row[1]))
 
 
+def last_seconds(path: Path) -> float:
+    """What the clock showed at the last event; 0 where there is no journal, or none in it."""
+    if not path.exists():
+        return 0.0
+    return max((one.seconds for one in read_journal(path)), default=0.0)
+
+
 def pseudonyms(path: Path) -> dict[str, str]:
     """By random number, the pseudonyms of the workers that have not been erased."""
     with closing(sqlite3.connect(path)) as connection:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, NoReturn, Self
 
 from fatigue_planner.core.errors import (
     ContradictionError,
@@ -37,6 +37,7 @@ from fatigue_planner.live.events import (
     Contradicted,
     Decided,
     Event,
+    Executed,
     Fallback,
     Input,
     Noted,
@@ -50,7 +51,7 @@ from fatigue_planner.live.events import (
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Choice, Shift
-from fatigue_planner.live.state import Counts, SessionState, joint_fatigue
+from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue
 from fatigue_planner.live.table import Prepared, Table
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
@@ -108,6 +109,9 @@ class Session:
         self._pending: CycleDecision | None = None
         self._prepared: Choice | None = None
         self._recorded = -1
+        # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
+        self._told: Executed | None = None
+        self._robot_cycle, self._robot_silent = 0, False
         # by the clock: when the last cycle or pause ended, and when workers who are away had left
         self._ended_s = clock.seconds()
         self._left_s: dict[str, float] = {}
@@ -156,6 +160,7 @@ class Session:
             deadline_s=deadline_s,
             versions=versions(),
             origin=clock.origin(),
+            rehearsal=clock.is_rehearsal(),
         )
         written = Journal(Path(journal))
         try:
@@ -183,10 +188,36 @@ class Session:
         """
         with self._turn() as began:
             if cycle == self._shift.cycle + 1 and self._pending is not None:
-                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._pending.action))
+                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._doing(self._pending.action)))
                 self._end(unseen.model_copy(update={"idle_s": self._idle(unseen)}))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
+            return self._decided(began)
+
+    def executed(self, cycle: int, action: str | None = None) -> CycleDecision:
+        """What the robot does in this cycle, as it says itself; None: it does not answer. The decision stands.
+
+        It counts where nothing else is said when the cycle ends. Said again, it changes nothing. Raises CycleError for
+        a cycle that is neither going on nor among the last ones, ContradictionError if something else was said before.
+        """
+        with self._turn() as began:
+            actions = self._shift.scenario.model.actions
+            if action is not None and action not in actions:
+                raise EvidenceError(f"action {shortened(action)}: should be one of {listed(actions)}.")
+            self._check_cycle(cycle)
+            event = Executed(cycle=cycle, action=action)
+            before = self._shift.recent(cycle)
+            if cycle == self._shift.cycle:
+                known = None if self._told is None else self._told.action
+            else:
+                known = before.executed if isinstance(before, Observed) else None
+            if action is not None and known is not None and action != known:
+                self._contradict(event, f"the robot did {known}, was said before")
+            if not self._robot_silent if action is None else self._robot_silent or cycle > self._robot_cycle:
+                self._record(event)
+                self._hear(event)
+                if cycle == self._shift.cycle:
+                    self._prepare()
             return self._decided(began)
 
     def observe(
@@ -218,10 +249,7 @@ class Session:
             elif isinstance(before, Observed) and before.is_blind:
                 self._take(event.model_copy(update={"idle_s": before.idle_s, "late": True}))
             else:
-                contradiction = Contradicted(cycle=cycle, said=body_of(event))
-                self._record(contradiction)
-                self._account(contradiction)
-                raise ContradictionError(f"cycle {cycle}: was observed otherwise before; the first stands.")
+                self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
     def skip(self, duration_s: float | None = None) -> CycleDecision:
@@ -286,6 +314,8 @@ class Session:
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
+                robot=self._robot(),
+                rehearsal=self._clock.is_rehearsal(),
             )
 
     @property
@@ -355,7 +385,42 @@ class Session:
     def _prepare(self) -> None:
         """Prepare what may follow the cycle that was decided."""
         if self._pending is not None and self._shift.advised:
-            self._table.prepare(self._shift.belief, self._pending.cycle, self._pending.action)
+            self._table.prepare(self._shift.belief, self._pending.cycle, self._doing(self._pending.action))
+
+    def _doing(self, decided: str) -> str:
+        """What the robot does in the cycle going on: what it said itself, else what was decided."""
+        told = None if self._told is None else self._told.action
+        return decided if told is None else told
+
+    def _hear(self, event: Executed) -> None:
+        """The robot said what it does, or that it does not answer was said."""
+        self._robot_silent = event.action is None
+        if event.action is not None:
+            self._robot_cycle = event.cycle
+            if event.cycle == self._shift.cycle:
+                self._told = event
+
+    def _robot(self) -> Robot:
+        """Whether the robot says what it does; one that said nothing of the cycle before is unreachable."""
+        if self._robot_silent or 0 < self._robot_cycle < self._shift.cycle - 1:
+            return "unreachable"
+        return "answers" if self._robot_cycle else "unknown"
+
+    def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
+        contradiction = Contradicted(cycle=event.cycle, said=body_of(event))
+        self._record(contradiction)
+        self._account(contradiction)
+        raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
+
+    def _check_cycle(self, cycle: object) -> None:
+        """Raise CycleError unless something may be said of this cycle."""
+        if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
+            raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
+        if cycle != self._shift.cycle and self._shift.recent(cycle) is None:
+            raise CycleError(
+                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
+                f"only the last {LATE_CYCLES} before it may be told late."
+            )
 
     def _checked(
         self,
@@ -367,17 +432,12 @@ class Session:
     ) -> Observed:
         """What was said of a cycle. Raises EvidenceError, CycleError."""
         model = self._shift.scenario.model
-        if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
-            raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
+        self._check_cycle(cycle)
         before = self._shift.recent(cycle)
-        if cycle != self._shift.cycle and before is None:
-            raise CycleError(
-                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
-                f"only the last {LATE_CYCLES} before it may be told late."
-            )
+        told = None if cycle != self._shift.cycle or self._told is None else self._told.action
         if executed is None:
             decided = self._pending if self._pending is not None and self._pending.cycle == cycle else before
-            executed = getattr(decided, "action", None) or getattr(decided, "executed", None)
+            executed = told or getattr(decided, "action", None) or getattr(decided, "executed", None)
             if executed is None:
                 raise CycleError(f"cycle {cycle}: nothing was decided for it; say what the robot did (executed).")
         if executed not in model.actions:
@@ -395,7 +455,10 @@ class Session:
             likelihood=likelihood,
             duration_s=None if duration_s is None else _seconds("duration_s", duration_s),
         )
-        return self._kept(event, before)
+        event = self._kept(event, before)
+        if told is not None and executed != told:
+            self._contradict(event, f"the robot did {told}, as it said itself")
+        return event
 
     def _kept(self, event: Observed, before: Observed | Skipped | None = None) -> Observed:
         """What may be kept of what was said of a cycle, of which something may have been kept before."""
@@ -434,6 +497,10 @@ class Session:
             self._prepared = None
             return
         self._pending = None
+        if isinstance(event, Observed | Skipped):
+            self._told = None
+            # the robot need not speak of a cycle in which it did nothing
+            self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
         self._ended_s = min(self._ended_s + event.seconds, at_s) if isinstance(event, Rested) else at_s
 
     def _account(self, event: Event) -> None:
@@ -441,7 +508,7 @@ class Session:
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
-            self._recorded = self._journal.append(event, self._clock.seconds(), self._clock.utc().isoformat())
+            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc().isoformat())
 
     def _replay(self, events: list[Stored]) -> None:
         """Stand where the journal's shift stands; its events begin with that of its opening."""
@@ -457,6 +524,8 @@ class Session:
             self._account(event)
             if isinstance(event, Decided):
                 self._stand(event)
+            elif isinstance(event, Executed):
+                self._hear(event)
         self._prepare()
 
     def _now(self, stored: Stored, origin: str) -> float:
@@ -508,6 +577,7 @@ def _check_same(before: Opened, now: Opened, path: Path) -> None:
         "the policy": ((before.policy, before.policy_sources), (now.policy, now.policy_sources)),
         "the safe action": (before.safe_action, now.safe_action),
         "the program's version": (before.versions, now.versions),
+        "the clock (the machine's, or a rehearsal's)": (before.rehearsal, now.rehearsal),
     }
     different = [name for name, (old, new) in parts.items() if old != new]
     if different:

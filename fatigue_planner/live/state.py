@@ -1,6 +1,7 @@
 """What a session shows to people: where the shift stands, how sure that is, and what did not go as planned."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from fatigue_planner.live.events import Decided, Event, Fallback, Observed, Work
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
+Robot = Literal["unknown", "answers", "unreachable"]
 # The joints that are shown are the most tired ones, each with an interval that holds nine tenths of the belief.
 SHOWN_JOINTS = 8
 LOWER, UPPER = 0.05, 0.95
@@ -61,6 +63,7 @@ class SessionState:
 
     cycle: that comes or goes on; action: what was decided for it, None before that. since_s: seconds since the last
     cycle or pause ended. joints: the most tired ones. fault: why nothing is recorded any more. worker: a random number.
+    robot: whether it says what it does (`Session.executed`), unknown where it never has. rehearsal: time is simulated.
     """
 
     cycle: int
@@ -74,6 +77,8 @@ class SessionState:
     recorded: int
     durable_up_to: int
     fault: str
+    robot: Robot = "unknown"
+    rehearsal: bool = False
 
 
 def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:

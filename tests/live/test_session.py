@@ -1,6 +1,7 @@
 """A session: the same belief and answers whatever happens to the program; what was said wrongly changes nothing."""
 
 import itertools
+import math
 import os
 import signal
 import subprocess
@@ -23,8 +24,9 @@ from fatigue_planner.core.errors import (
     SelectionError,
 )
 from fatigue_planner.live import session as session_module
-from fatigue_planner.live.events import Contradicted, Observed, Rested, WorkerChanged
-from fatigue_planner.live.journal_file import read_journal
+from fatigue_planner.live.clock import RehearsalClock
+from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, WorkerChanged
+from fatigue_planner.live.journal_file import last_seconds, read_journal
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
 
 CYCLE_S = 16.0
@@ -65,6 +67,73 @@ def clock() -> FakeClock:
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "shift.fatplan"
+
+
+def test_what_the_robot_says_it_does_counts(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Its own word goes before what it was told, also after a restart; what is said late or twice changes nothing."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        asked = session.decide().action
+        other = next(name for name in scenario.model.actions if name != asked)
+        assert session.state().robot == "unknown"
+        assert session.executed(1, other).action == asked
+        recorded = session.executed(1, other).recorded
+        with pytest.raises(ContradictionError, match=f"cycle 1: the robot did {other}"):
+            session.executed(1, asked)
+        with pytest.raises(ContradictionError, match="as it said itself"):
+            session.observe(1, executed=asked)
+    assert [one.event.kind for one in read_journal(path)].count("executed") == 1
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.state().robot == "answers"
+        second = session.decide(cycle=2)
+        assert session.executed(1, other).recorded == second.recorded
+        with pytest.raises(ContradictionError):
+            session.executed(1, asked)
+        assert session.observe(1, observation="arm").cycle == 2
+        with pytest.raises(CycleError):
+            session.executed(3, other)
+        with pytest.raises(EvidenceError):
+            session.executed(2, "nowhere")
+    observed = [one.event for one in read_journal(path) if isinstance(one.event, Observed)]
+    assert recorded == 2
+    assert [(one.executed, one.observation) for one in observed] == [(other, None), (other, "arm")]
+
+
+def test_a_robot_that_says_nothing_is_unreachable(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        action = session.decide().action
+        session.executed(1, action)
+        cycles(session, clock, ["arm"])
+        assert session.state().robot == "answers"
+        cycles(session, clock, ["arm"])
+        assert session.state().robot == "unreachable"
+        session.executed(3, action)
+        assert session.state().robot == "answers"
+        session.skip()
+        session.executed(3)
+        session.executed(3)
+        assert session.state().robot == "unreachable"
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert (session.state().robot, session.digest()) == ("unreachable", digest)
+    assert [one.event.kind for one in read_journal(path)].count("executed") == 3
+
+
+def test_a_rehearsals_journal_is_no_shifts(scenario: fp.Scenario, path: Path) -> None:
+    """The chain's first event says that the clock was none; a shift is not gone on with as a rehearsal, nor back."""
+    clock = RehearsalClock()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.state().rehearsal
+        clock.move(3600)
+        session.skip()
+        for wrong in (3599.0, math.nan, 1e12):
+            with pytest.raises(EvidenceError, match="never set back"):
+                clock.move(wrong)
+    first = read_journal(path)[0]
+    assert isinstance(first.event, Opened)
+    assert (first.event.rehearsal, first.utc) == (True, "2000-01-01T06:00:00+00:00")
+    assert last_seconds(path) == 3600
+    with pytest.raises(OtherSituationError, match="the clock"):
+        fp.Session.open(path, scenario)
 
 
 def cycles(session: fp.Session, clock: FakeClock, seen: list[str | None]) -> list[str]:

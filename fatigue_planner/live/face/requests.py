@@ -37,6 +37,13 @@ class Observe(Request):
     duration_s: float | None = Field(default=None, description="Duration of the cycle in s. Default: as planned.")
 
 
+class Executed(Request):
+    """What the robot does in a cycle, as it says itself; the decision stands."""
+
+    cycle: int = Field(description="Number of the cycle.")
+    action: str | None = Field(default=None, description="The action that it does. Without it: it does not answer.")
+
+
 class Skip(Request):
     """The worker did nothing in this cycle."""
 
@@ -67,9 +74,16 @@ class Note(Request):
     text: str = Field(max_length=MAX_TEXT_LENGTH, description="The remark.")
 
 
+class MoveClock(Request):
+    """Move on the clock of a rehearsal; in a real shift this is refused."""
+
+    seconds: float = Field(description="What the clock shows from now on, in s since the rehearsal began.")
+
+
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
-    "decide": Decide, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker, "advise": Advise, "note": Note,
+    "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
+    "advise": Advise, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 
