@@ -64,6 +64,7 @@ class SessionState:
     cycle: that comes or goes on; action: what was decided for it, None before that. since_s: seconds since the last
     cycle or pause ended. joints: the most tired ones. fault: why nothing is recorded any more. worker: a random number.
     robot: whether it says what it does (`Session.executed`), unknown where it never has. rehearsal: time is simulated.
+    surprises: among this worker's last 50 cycles; fits: whether the model fits him, see `fit`.
     """
 
     cycle: int
@@ -79,6 +80,8 @@ class SessionState:
     fault: str
     robot: Robot = "unknown"
     rehearsal: bool = False
+    surprises: int = 0
+    fits: bool = True
 
 
 def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:

@@ -338,7 +338,7 @@ def test_another_situation_is_refused(scenario: fp.Scenario, path: Path, clock: 
     fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
     experiment = fp.load(PAPER)
     other = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "single_novice")
-    with pytest.raises(OtherSituationError, match=r"the scenario .* changed"):
+    with pytest.raises(OtherSituationError, match=r"what a cycle does .* changed"):
         fp.Session.open(path, other, safe_action="low", clock=clock)
     with pytest.raises(OtherSituationError, match="the policy changed"):
         fp.Session.open(path, scenario, "greedy", safe_action="low", clock=clock)
