@@ -90,7 +90,15 @@ def serve(
         settings, searching = (None if name is None else known[name] for name in (policy, search))
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
         with Session.open(
-            journal, task, settings, deadline_s, safe_action, clock, searching, unseen_limit, accept
+            journal,
+            task,
+            settings,
+            deadline_s,
+            safe_action,
+            clock,
+            search=searching,
+            unseen_limit=unseen_limit,
+            accept=accept,
         ) as session:
             tokens, view, act = Tokens.make()
             address = f"http://{host}:{listening.getsockname()[1]}"

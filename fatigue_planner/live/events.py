@@ -22,6 +22,21 @@ Cycle = Annotated[int, Field(ge=1)]
 Fallback = Literal["none", "policy", "schedule", "safe_action"]
 # What a recogniser says that saw the worker do none of the reactions; where the recognition does not know it.
 UNCLEAR = "unclear"
+Probability = Annotated[float, Field(ge=0, le=1)]
+
+
+class AlarmSettings(Settings):
+    """When a pause is wanted: the limit of fatigue, where it comes from, and when an acknowledged alarm is repeated.
+
+    The defaults are assumptions. No standard limits fatigue by Ma's law; a limit is the employer's to set.
+
+    >>> fp.AlarmSettings(limit=0.4, limit_source="risk assessment of cell 7").repeat_s
+    600.0
+    """
+
+    limit: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    limit_source: Annotated[str, Field(max_length=200)] = "an assumption: half of the strength is gone"
+    repeat_s: Annotated[float, Field(ge=1, le=MAX_SECONDS)] = 600.0
 
 
 class Opened(Settings):
@@ -39,6 +54,7 @@ class Opened(Settings):
     deadline_s: float
     versions: dict[str, str]
     origin: str  # of the clock
+    alarms: AlarmSettings | None = None  # None in journals that are older
     rehearsal: bool = False  # the clock was not the machine's
     unseen_limit: int = 20  # cycles in a row of which nothing is known, after which the schedule decides
     parts: dict[str, str] = Field(default_factory=dict)  # digests of the scenario's parts; none in older journals
@@ -56,6 +72,7 @@ class Resumed(Settings):
     kind: Literal["resumed"] = "resumed"
     origin: str  # of the clock from now on
     away_s: float = 0.0
+    alarms: AlarmSettings | None = None  # from now on
 
 
 class Recovered(Settings):
@@ -205,6 +222,35 @@ class Noted(Settings):
     text: Annotated[str, Field(max_length=MAX_NOTE_LENGTH)]
 
 
+class Alarmed(Settings):
+    """An alarm was raised, or repeated after it had been acknowledged: an entry is above the limit, and pauses help.
+
+    probability: that it is above. pause_s: after which it is relieved; None: no pause is long enough.
+    """
+
+    kind: Literal["alarmed"] = "alarmed"
+    cycle: Cycle
+    entry: str
+    probability: Probability
+    pause_s: float | None
+    repeated: bool = False
+
+
+class Acknowledged(Settings):
+    """Somebody has seen these alarms."""
+
+    kind: Literal["acknowledged"] = "acknowledged"
+    entries: tuple[str, ...]
+
+
+class Cleared(Settings):
+    """An entry is clearly below the limit again."""
+
+    kind: Literal["cleared"] = "cleared"
+    cycle: Cycle
+    entry: str
+
+
 class Closed(Settings):
     """The session was closed in good order."""
 
@@ -229,6 +275,9 @@ Event = (
     | Advice
     | Contradicted
     | Noted
+    | Alarmed
+    | Acknowledged
+    | Cleared
     | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

@@ -7,7 +7,7 @@ from fatigue_planner.core.errors import OtherSituationError, listed
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.live.clock import Clock
-from fatigue_planner.live.events import FORMAT, Opened
+from fatigue_planner.live.events import FORMAT, AlarmSettings, Opened
 from fatigue_planner.live.journal_file import Stored
 from fatigue_planner.live.rules import Rules
 from fatigue_planner.pomdp.scenario import Scenario
@@ -34,7 +34,7 @@ MEANINGS = {
 }
 
 
-def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock) -> Opened:
+def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock, alarms: AlarmSettings) -> Opened:
     """The event of a shift that begins with this."""
     return Opened(
         format=FORMAT,
@@ -49,6 +49,7 @@ def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock) ->
         unseen_limit=rules.unseen_limit,
         versions=versions(),
         origin=clock.origin(),
+        alarms=alarms,
         rehearsal=clock.is_rehearsal(),
         parts=parts(scenario),
         sources={name: digest_of_package(name) for name in SOURCES},

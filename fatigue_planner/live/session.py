@@ -7,7 +7,7 @@ that may be recognised, and for none, while the worker works; what is answered t
 import secrets
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -30,7 +30,9 @@ from fatigue_planner.live.events import (
     MAX_NOTE_LENGTH,
     MAX_SECONDS,
     UNCLEAR,
+    Acknowledged,
     Advice,
+    AlarmSettings,
     Closed,
     Configured,
     Contradicted,
@@ -52,13 +54,16 @@ from fatigue_planner.live.fit import Fit
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.opening import changes, opening, refuse, since_opened
+from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, made
 from fatigue_planner.live.searcher import Searcher, Task, unsearched
 from fatigue_planner.live.shift import Choice, Shift
-from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue
+from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
+from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
+from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
 
 # What passes between two cycles of a running robot is no rest.
@@ -105,6 +110,7 @@ class Session:
         shift: Shift,
         rules: Rules,
         safe_action: int,
+        watch: Watch,
         search: PolicySettings | None,
         clock: Clock,
     ) -> None:
@@ -113,7 +119,8 @@ class Session:
         self._rules, self._coming, self._safe_action = rules, rules, safe_action
         self._searcher = None if search is None else Searcher(shift.scenario, search, shift.session, self._found)
         self._table = Table(shift, rules.for_table, *([self._searcher.search] if self._searcher else []))
-        self._watch, self._fit = ClockWatch(clock), Fit()
+        self._watch, self._clock_watch, self._fit = watch, ClockWatch(clock), Fit()
+        self._table.look, self._table.foresee = self._look, self._foresee
         self._lock, self._changing = threading.Lock(), threading.Lock()
         self._pending: CycleDecision | None = None
         self._prepared: Choice | None = None
@@ -135,6 +142,7 @@ class Session:
         deadline_s: float = 0.05,
         safe_action: str | None = None,
         clock: Clock | None = None,
+        alarms: AlarmSettings | None = None,
         search: str | Mapping[str, Any] | PolicySettings | None = None,
         unseen_limit: int = UNSEEN_LIMIT,
         accept: bool = False,
@@ -143,8 +151,8 @@ class Session:
 
         policy: by default an exact lookahead over two cycles with cyclic plans beyond. deadline_s: what takes longer is
             counted as late. safe_action: what is left to do where nothing else decides; by default the action that
-            costs least in the first cycle. clock: by default the machine's. search: a policy that improves decisions
-            while the worker works, in a process of its own; the first policy decides where it gave no answer.
+            costs least in the first cycle. clock: by default the machine's. alarms: when a pause is wanted, from now
+            on. search: a policy that improves decisions while the worker works, in a process of its own; the first policy decides where it gave no answer.
             unseen_limit: after so many cycles in a row of which nothing is known the schedule decides. accept: where
             the journal's shift had another situation, begin a new segment, which knows nothing of the one before.
 
@@ -155,7 +163,7 @@ class Session:
         searching = None if search is None else policy_settings(search)
         if searching is not None and searching.knows != settings.knows:
             raise SelectionError(f"search: should know what the policy does (knows: {settings.knows}).")
-        clock = clock or SystemClock()
+        clock, alarms = clock or SystemClock(), alarms or AlarmSettings()
         model = scenario.model
         if safe_action is None:
             trial = Shift(scenario, settings, "")
@@ -164,7 +172,7 @@ class Session:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
         safe = model.actions.index(safe_action)
         rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
-        opened = opening(scenario, rules, safe_action, clock)
+        opened = opening(scenario, rules, safe_action, clock, alarms)
         if searching is not None:
             opened = opened.model_copy(update={"search": searching.plain()})
         written = Journal(Path(journal))
@@ -177,7 +185,9 @@ class Session:
                     refuse(changed, Path(journal))
                 opened, events = opened.model_copy(update={"accepted": tuple(changed)}), []
                 found = opened
-            session = cls(written, Shift(scenario, settings, found.session), rules, safe, searching, clock)
+            shift = Shift(scenario, settings, found.session)
+            watch = Watch(model, alarms, shift.likelihood)
+            session = cls(written, shift, rules, safe, watch, searching, clock)
             try:
                 if events:
                     session._resume(events, opened)
@@ -332,6 +342,14 @@ class Session:
                 self._prepare()
                 return self._decided(began)
 
+    def acknowledge(self) -> None:
+        """Somebody has seen the alarms that are on; they are told again if they still are after `repeat_s`."""
+        self._look()
+        with self._lock:
+            entries = tuple(one.entry for one in self._watch.alarms.now() if not one.acknowledged)
+            if entries:
+                self._tell(Acknowledged(entries=entries))
+
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
         with self._turn():
@@ -342,6 +360,7 @@ class Session:
 
     def state(self) -> SessionState:
         """Where the shift stands, for people to look at."""
+        levels = self._look()
         with self._lock:
             pending = self._pending
             return SessionState(
@@ -352,7 +371,9 @@ class Session:
                 worker=self._shift.worker,
                 advised=self._shift.advised,
                 counts=replace(self.counts),
+                planned_s=self._shift.planned_s,
                 joints=joint_fatigue(self._shift.belief) if self._shift.advised else (),
+                pauses=pauses(self._watch, levels, self._shift, self._clock.seconds()),
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
@@ -374,8 +395,8 @@ class Session:
 
     def close(self) -> None:
         """End the session in good order. Raises OutputFolderError if not everything could be recorded."""
+        self._stop()
         with self._lock:
-            self._stop()
             self._record(Closed())
             self._journal.close()
 
@@ -389,7 +410,7 @@ class Session:
             self.close()
 
     def _stop(self) -> None:
-        """End what works beside."""
+        """End what works beside. Not to be called in a turn, for which a thread may be waiting."""
         if self._searcher:
             self._searcher.close()
         self._table.close()
@@ -399,7 +420,7 @@ class Session:
         """One call at a time; when it began, by a clock that stands while the machine sleeps."""
         began = time.perf_counter()
         with self._lock:
-            for event in self._watch.look():
+            for event in self._clock_watch.look():
                 self._record(event)
             for why in self._searcher.faults() if self._searcher else ():
                 self._record(SearchFailed(why=why))
@@ -424,8 +445,7 @@ class Session:
                 late=took_s > rules.deadline_s,
                 duration_s=took_s,
             )
-            self._record(event)
-            self._account(event)
+            self._tell(event)
             self._stand(event)
             self._prepare()
         assert self._pending is not None
@@ -463,9 +483,7 @@ class Session:
         return "answers" if self._robot_cycle else "unknown"
 
     def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
-        contradiction = Contradicted(cycle=event.cycle, said=body_of(event))
-        self._record(contradiction)
-        self._account(contradiction)
+        self._tell(Contradicted(cycle=event.cycle, said=body_of(event)))
         raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
 
     def _checked(
@@ -517,7 +535,9 @@ class Session:
 
     def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
         """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
-        self._account(event)
+        is_metered = isinstance(event, Observed) and self._shift.advised
+        before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
+        self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
             self._left_s[self._shift.worker] = at_s
         self._shift.take(event, prepared.belief if prepared else None)
@@ -544,8 +564,42 @@ class Session:
             self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
         self._ended_s = min(self._ended_s + event.seconds, at_s) if isinstance(event, Rested) else at_s
 
-    def _account(self, event: Event) -> None:
+    def _tell(self, event: Event) -> None:
+        """Record an event that is no input, and stand where it leads."""
+        self._record(event)
+        self._account(event, self._clock.seconds())
+
+    def _account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
+        """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
         self.counts.add(event, None if self._pending is None else self._pending.action)
+        self._watch.account(event, at_s, self._shift.worker, before)
+
+    def _look(self) -> Levels:
+        """Look at the belief, and tell the alarms that are due. Not to be called in a turn."""
+        belief = self._shift.belief
+        levels = self._watch.look(belief)
+        with self._lock:
+            if belief is self._shift.belief and self._shift.advised:
+                for event in self._watch.alarms.due(levels.robot, self._shift.cycle, self._clock.seconds()):
+                    self._tell(event)
+        return levels
+
+    def _foresee(self, has_ended: Callable[[], bool]) -> None:
+        """Find out what will pass the limit, as long as the cycle goes on."""
+        with self._lock:
+            belief, cycle, is_known = self._shift.belief, self._shift.cycle, self._shift.advised
+            by_belief = self.counts.unseen_in_a_row < self._rules.unseen_limit
+
+        def plan(then: Belief, n: int) -> int:
+            if has_ended():
+                raise InterruptedError
+            adviser = self._table.adviser
+            choice = adviser.choose(then, cycle + n) if by_belief else adviser.without_belief(cycle + n)
+            return choice.action
+
+        if is_known:
+            with suppress(InterruptedError):
+                self._watch.foresee(belief, cycle, plan)
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
@@ -565,9 +619,9 @@ class Session:
         last, origin = events[-1], self._clock.origin()
         known = [one.event.origin for one in events if isinstance(one.event, Opened | Resumed)]
         if known[-1] == origin:
-            self._watch.stood(last.seconds, last.utc)
+            self._clock_watch.stood(last.seconds, last.utc)
         away_s = max(self._clock.seconds() - self._now(last, known[-1]), 0.0)
-        self._record(Resumed(origin=origin, away_s=away_s))
+        self._record(Resumed(origin=origin, away_s=away_s, alarms=now.alarms))
         begun = events[0].event
         assert isinstance(begun, Opened)
         given = (now.deadline_s, now.unseen_limit)
@@ -588,7 +642,7 @@ class Session:
             if isinstance(event, Input):
                 self._go_on(event, self._now(stored, origin))
                 continue
-            self._account(event)
+            self._account(event, self._now(stored, origin))
             if isinstance(event, Decided):
                 self._stand(event)
             elif isinstance(event, Executed):

@@ -123,6 +123,12 @@ class Shift:
                 return ended
         return None
 
+    def before(self, cycle: int) -> Belief | None:
+        """The belief before the cycle going on, or one that may still be corrected."""
+        if cycle == self.cycle:
+            return self.belief
+        return next((past.belief for past in self._past if past.cycle == cycle), None)
+
     def after(self, belief: Belief, event: Input) -> Belief:
         """The belief after the end of a cycle or a pause."""
         match event:

@@ -3,11 +3,15 @@
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.searcher import Task
 from fatigue_planner.live.shift import Adviser, Choice, Shift
 from fatigue_planner.pomdp.beliefs.belief import Belief
+
+# A cycle that has gone on for so long after all was prepared leaves time for more.
+IDLE_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -23,12 +27,17 @@ class Table:
 
     Its answers are those that would be computed afterwards: both come from the same functions of the same inputs. Its
     adviser is its own, for policies have working memory. `search` is told all that was prepared, and may improve it.
+    When all is prepared, the thread calls `look`; and when the cycle then goes on for a while, `foresee`, with a
+    function that tells when it has ended.
     """
 
     def __init__(
         self, shift: Shift, adviser: Adviser, search: Callable[[Sequence[Task]], None] = lambda _: None
     ) -> None:
         self._shift, self.adviser, self._search = shift, adviser, search
+        self.look: Callable[[], object] = lambda: None
+        self.foresee: Callable[[Callable[[], bool]], None] = lambda _: None
+        self._is_looking = False
         self._ready: dict[str | None, Prepared] = {}
         # what is prepared for, None for nothing, and how much of it was begun with
         self._cycle: tuple[Belief, int, str] | None = None
@@ -66,9 +75,9 @@ class Table:
             return True
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until everything is prepared; whether it is."""
+        """Wait until everything is prepared and looked at; whether it is."""
         with self._changed:
-            return self._changed.wait_for(lambda: self._cycle is None or len(self._ready) == len(self._seen), timeout_s)
+            return self._changed.wait_for(self._is_done, timeout_s)
 
     def close(self) -> None:
         """End the thread."""
@@ -92,14 +101,28 @@ class Table:
             after = self._shift.after(belief, Observed(cycle=cycle, executed=action, observation=seen))
             prepared = Prepared(after, adviser.choose(after, cycle + 1))
             with self._changed:
-                if number != self._round or not self._is_open:
+                if self._has_ended(number):
                     continue
                 self._ready[seen] = prepared
+                self._is_looking = not self._is_todo()
                 self._changed.notify_all()
-                if self._is_todo():
-                    continue
                 found = [Task(number, cycle + 1, one, entry.belief) for one, entry in self._ready.items()]
-            self._search(found)
+            if self._is_looking:
+                self._search(found)
+                self.look()
+                with self._changed:
+                    self._is_looking = False
+                    self._changed.notify_all()
+                    has_ended = partial(self._has_ended, number)
+                    is_idle = not self._changed.wait_for(has_ended, IDLE_S)
+                if is_idle:
+                    self.foresee(has_ended)
+
+    def _has_ended(self, number: int) -> bool:
+        return number != self._round or not self._is_open
+
+    def _is_done(self) -> bool:
+        return self._cycle is None or (len(self._ready) == len(self._seen) and not self._is_looking)
 
     def _is_todo(self) -> bool:
         return self._cycle is not None and self._begun < len(self._seen)

@@ -170,6 +170,7 @@ def test_a_full_disk_is_one_message(tmp_path: Path, cache_folder: Path) -> None:
     assert fatplan(*run).returncode == 0 and contents() == whole
 
 
+@pytest.mark.slow
 def test_every_exit_code_but_the_interrupts(tmp_path: Path, cache_folder: Path) -> None:
     """130 and 143 are in test_cli_signals; each other code is provoked by a process of its own."""
     assert finished("schema").returncode == ExitCode.OK
