@@ -1,6 +1,8 @@
 """By what a shift decides: a policy, when an answer is late, and when the schedule takes over; checked and compiled."""
 
+import json
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,11 +33,18 @@ class Rules:
         """As the journal keeps it."""
         return Configured(
             cycle=self.cycle,
-            policy=self.settings.plain(),
+            policy=json.loads(self.settings.model_dump_json(exclude_unset=True)),
             policy_sources=self.settings.sources(),
             deadline_s=self.deadline_s,
             unseen_limit=self.unseen_limit,
         )
+
+
+def from_json(policy: Any) -> Any:
+    """A policy's settings with tuples where JSON has lists."""
+    if isinstance(policy, Mapping):
+        return {key: from_json(value) for key, value in policy.items()}
+    return tuple(from_json(value) for value in policy) if isinstance(policy, list) else policy
 
 
 def made(

@@ -55,10 +55,10 @@ from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.opening import changes, opening, refuse, since_opened
 from fatigue_planner.live.pauses import Levels
-from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, made
+from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, from_json, made
 from fatigue_planner.live.searcher import Searcher, Task, unsearched
 from fatigue_planner.live.shift import Choice, Shift
-from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue, pauses
+from fatigue_planner.live.state import DEGRADED_AFTER, Counts, Robot, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
 from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
@@ -128,7 +128,7 @@ class Session:
         # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
         self._told: Executed | None = None
         self._robot_cycle, self._robot_silent = 0, False
-        # by the clock: when the last cycle or pause ended, and when workers who are away had left
+        # by the clock: when the last cycle or pause ended, and when that was of workers who are away
         self._ended_s = clock.seconds()
         self._left_s: dict[str, float] = {}
         self.counts = Counts()
@@ -152,9 +152,10 @@ class Session:
         policy: by default an exact lookahead over two cycles with cyclic plans beyond. deadline_s: what takes longer is
             counted as late. safe_action: what is left to do where nothing else decides; by default the action that
             costs least in the first cycle. clock: by default the machine's. alarms: when a pause is wanted, from now
-            on. search: a policy that improves decisions while the worker works, in a process of its own; the first policy decides where it gave no answer.
-            unseen_limit: after so many cycles in a row of which nothing is known the schedule decides. accept: where
-            the journal's shift had another situation, begin a new segment, which knows nothing of the one before.
+            on. search: a policy that improves decisions while the worker works, in a process of its own; where it gave
+            no answer the first policy decides. unseen_limit: after so many cycles in a row of which nothing is known
+            the schedule decides. accept: where the journal's shift had another situation, begin a new segment, which
+            knows nothing of the one before.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
@@ -324,7 +325,7 @@ class Session:
             raise SelectionError("nothing is to be changed: give deadline_s, unseen_limit or policy.")
         with self._changing:
             now = self._coming
-            settings = now.settings if policy is None else policy_settings(policy)
+            settings = now.settings if policy is None else policy_settings(from_json(policy))
             if settings.knows != self._shift.settings.knows:
                 raise SelectionError(f"policy: what it knows ({now.settings.knows}) cannot be changed in a shift.")
             rules = made(
@@ -379,6 +380,7 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,
             )
@@ -539,7 +541,7 @@ class Session:
         before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
         self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
-            self._left_s[self._shift.worker] = at_s
+            self._left_s[self._shift.worker] = self._ended_s  # what has passed since then was rest
         self._shift.take(event, prepared.belief if prepared else None)
         if isinstance(event, Observed) and event.late:
             return
@@ -662,7 +664,7 @@ class Session:
 
     def _as_before(self, event: Configured) -> Rules:
         """The rules of an event of this journal. Raises OtherSituationError if a plug-in among them has changed."""
-        settings = policy_settings(event.policy)
+        settings = policy_settings(from_json(event.policy))
         if settings.sources() != event.policy_sources:
             refuse([f"the policy from cycle {event.cycle} on"], self._journal.path)
         scenario, limits = self._shift.scenario, (event.deadline_s, event.unseen_limit)
