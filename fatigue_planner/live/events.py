@@ -22,7 +22,10 @@ Fallback = Literal["none", "schedule", "safe_action"]
 
 
 class Opened(Settings):
-    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`."""
+    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`.
+
+    experiment, cache: where they lie, from the journal's folder, for the report; "" where it is not known.
+    """
 
     kind: Literal["opened"] = "opened"
     format: int
@@ -37,6 +40,8 @@ class Opened(Settings):
     versions: dict[str, str]
     origin: str  # of the clock
     rehearsal: bool = False  # the clock was not the machine's
+    experiment: str = ""
+    cache: str = ""
 
 
 class Resumed(Settings):

@@ -126,12 +126,15 @@ class Session:
         deadline_s: float = 0.05,
         safe_action: str | None = None,
         clock: Clock | None = None,
+        experiment: str = "",
+        cache: str = "",
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
         policy: by default an exact lookahead over two cycles with cyclic plans beyond. deadline_s: what takes longer is
             counted as late. safe_action: what is left to do where nothing else decides; by default the action that
-            costs least in the first cycle. clock: by default the machine's.
+            costs least in the first cycle. clock: by default the machine's. experiment, cache: where the report finds
+            them, from the journal's folder.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
@@ -161,6 +164,8 @@ class Session:
             versions=versions(),
             origin=clock.origin(),
             rehearsal=clock.is_rehearsal(),
+            experiment=experiment,
+            cache=cache,
         )
         written = Journal(Path(journal))
         try:
