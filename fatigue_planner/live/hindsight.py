@@ -4,8 +4,9 @@ Workers are drawn from what was believed of this one in the end. Each lives thro
 that the robot did, reactions drawn from what was seen, the same pauses and durations. Then he lives through it again
 under another plan. In every cycle the chance by which he chose is the same: of the draws u in [0, 1) that make him
 react as he did (by the order of the reactions in the experiment, with Eq. 4's probabilities), one is kept, and decides
-what he does under the other plan. So the plan that was followed comes to itself, and differences are those of the
-plans, not of luck (common random numbers; a counterfactual of a structural model in Pearl's sense).
+what he does under the other plan; where the model rules out what he did, he does the same. So the plan that was
+followed comes to itself, and differences are those of the plans, not of luck (common random numbers; a counterfactual
+of a structural model in Pearl's sense).
 
 It rests on the model: on its fatigue law, on Eq. 4, and on the order of the reactions, which no data can tell. What was
 seen later of a cycle that was not seen is not used to guess what happened in it.
@@ -91,6 +92,14 @@ def _rest_s(event: object) -> float:
     return 0.0
 
 
+@dataclass(frozen=True)
+class _Chance:
+    """The draws from [0, 1) by which workers (S,) reacted; or the reaction where the model rules it out, else -1."""
+
+    draws: Vector
+    ruled_out: Numbers
+
+
 @dataclass
 class _Life:
     """Sampled workers (S,) in the states (S, L) where a plan has brought them."""
@@ -122,8 +131,8 @@ class _Life:
 
     def live_as_seen(
         self, event: Observed, action: int, likelihood: Vector, rng: np.random.Generator, costs: Vector
-    ) -> Vector:
-        """A cycle with reactions drawn from what was seen; the draws of [0, 1) that lead to them."""
+    ) -> _Chance:
+        """A cycle with reactions drawn from what was seen; what led to them."""
         self.rest(event.idle_s)
         chances = self._chances(action)
         seen = chances * likelihood
@@ -134,13 +143,14 @@ class _Life:
         begin, end = (ends[np.arange(SAMPLES), reactions + one] for one in (0, 1))
         within = rng.random(SAMPLES)
         self._move(event, action, reactions, costs)
-        # where the model rules out what was seen, any chance will do
-        return np.where(end > begin, np.minimum(begin + (end - begin) * within, np.nextafter(end, 0.0)), within)
+        draws = np.minimum(begin + (end - begin) * within, np.nextafter(end, 0.0))
+        return _Chance(draws, np.where(end > begin, -1, reactions))
 
-    def live_by(self, event: Observed, action: int, chance: Vector, costs: Vector) -> None:
+    def live_by(self, event: Observed, action: int, chance: _Chance, costs: Vector) -> None:
         """A cycle with another action, and the same chance."""
         self.rest(event.idle_s)
-        self._move(event, action, _drawn(self._chances(action), chance), costs)
+        reactions = _drawn(self._chances(action), chance.draws)
+        self._move(event, action, np.where(chance.ruled_out < 0, reactions, chance.ruled_out), costs)
 
     def _chances(self, action: int) -> Array:
         """Eq. 4: of each reaction, (S, U)."""

@@ -152,7 +152,8 @@ class ShiftData:
     def doses_table(self, worker: str) -> pd.DataFrame:
         """Load doses of a worker by hour and entry, in s, with the standard deviation of what was not seen surely."""
         rows: dict[tuple[int, str], list[float]] = {}
-        hours = {self.hour_of(one.ended_s) for one in self.worked if one.worker == worker}
+        mine = [one for one in self.worked if one.worker == worker and sight_of(one.end) != "off"]
+        hours = {self.hour_of(one.ended_s) for one in mine}
         for part in self.parts:
             for stretch in part.replayed.stretches if part.replayed else []:
                 if stretch.worker != worker or part.scenario is None:

@@ -87,7 +87,7 @@ def _half_lives(data: ShiftData) -> dict[str, float]:
     scenario = data.parts[-1].scenario
     assert scenario is not None and scenario.model.timing is not None
     fade, _ = scenario.model.timing.rest.rates(1.0, 1.0)
-    return {entry: math.log(2) / rate if rate > 0 else math.inf for entry, rate in zip(ENTRIES, fade, strict=True)}
+    return {entry: math.log(2) / rate if rate > 0 else math.inf for entry, rate in zip(ENTRIES, fade, strict=False)}
 
 
 def pauses_section(data: ShiftData, worker: str, figures: FigureFolder) -> Section:

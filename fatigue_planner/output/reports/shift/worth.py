@@ -21,8 +21,8 @@ def worth_words(worth: Hindsight | None) -> list[str]:
         else:
             word = "less" if saving > 0 else "more"
             found.append(
-                f"By the model, what the robot did cost {percent(abs(saving))} {word} fatigue than {plan} would have; "
-                f"saved: {percent(saving)} {interval}."
+                f"By the model, what the robot did cost {percent(abs(saving))} {word} fatigue than {plan} would have "
+                f"(90 % interval of what was saved: {percent_range(low, high)})."
             )
     return found
 
