@@ -14,13 +14,13 @@ from fatigue_planner.pomdp.scenario import Scenario
 MORNING = datetime(2026, 11, 28, 6, 0, tzinfo=UTC)
 
 
-def opening(scenario: Scenario, origin: str = "boot", **other: object) -> Opened:
-    """The first event of a shift in this scenario."""
+def opening(task: Scenario, origin: str = "boot", **other: object) -> Opened:
+    """The first event of a shift in a scenario."""
     settings = policy({"kind": "lookahead", "depth": 2, "leaf_value": "bound"})
     content = {
-        "format": FORMAT, "session": "5e55", "scenario": scenario.digest, "scenario_name": scenario.name,
-        "actions": scenario.model.actions, "policy": settings.plain(), "policy_sources": {},
-        "safe_action": scenario.model.actions[0], "deadline_s": 0.05, "versions": versions(), "origin": origin,
+        "format": FORMAT, "session": "5e55", "scenario": task.digest, "scenario_name": task.name,
+        "actions": task.model.actions, "policy": settings.plain(), "policy_sources": {},
+        "safe_action": task.model.actions[0], "deadline_s": 0.05, "versions": versions(), "origin": origin,
     }  # fmt: skip
     return Opened.model_validate(content | other)
 

@@ -31,7 +31,9 @@ def shift_report(data: ShiftData, worker: str | None, figures: FigureFolder, com
         sentences, sections = own_sections(data, worker, figures)
     if data.is_rehearsal:
         sentences = ["This was a rehearsal: worker and robot were simulated.", *sentences]
-    sections = [*sections, running_section(data), rests_on(data, command)]
+    # few cycles of few workers could be counted from exact fractions
+    exactly = bool(sections)
+    sections = [*sections, running_section(data, worker, exactly), rests_on(data, command)]
     path = figures.folder / REPORT_FILE
     publish_text(path, page(title, _subtitle(data), [Points([*sentences, IS_NOT])], sections))
     figures.files.append(path)

@@ -10,18 +10,24 @@ from fatigue_planner.output.reports.page import Block, Points, Section, Table, T
 from fatigue_planner.output.reports.shift.data import ShiftData
 
 
-def running_section(data: ShiftData) -> Section:
-    """Answers and their times as fractions, and what happened to the program."""
+def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Section:
+    """Answers and their times as fractions, and what happened to the program.
+
+    worker: whose cycles; None: all. exactly: otherwise fractions are whole per cent, which do not tell of how many.
+    """
     off = {id(one.decided) for one in data.worked if isinstance(one.end, Observed) and one.end.off}
-    decided = [one for part in data.parts for one in part.segment.decided]
+    if worker is None:
+        decided = [one for part in data.parts for one in part.segment.decided]
+    else:
+        decided = [one.decided for one in data.worked if one.worker == worker and one.decided is not None]
     blocks: list[Block] = []
     if decided:
         times_ms = 1000 * np.array([one.duration_s for one in decided])
         deadline_s = data.parts[-1].segment.opened.deadline_s
         rows = [
-            [f"later than the deadline of {1000 * deadline_s:g} ms", _share([one.late for one in decided])],
-            ["read from what had been prepared", _share([one.prepared for one in decided])],
-            ["decided by a fallback", _share([one.fallback != "none" and id(one) not in off for one in decided])],
+            [f"later than the deadline of {1000 * deadline_s:g} ms", _share([one.late for one in decided], exactly)],
+            ["read from what had been prepared", _share([one.prepared for one in decided], exactly)],
+            ["decided by a fallback", _share([_fell_back(one, off) for one in decided], exactly)],
             ["time of an answer: median", f"{np.median(times_ms):.2f} ms"],
             ["longest of 100, of 1,000, of all", " / ".join(
                 f"{value:.2f}" for value in (*np.quantile(times_ms, [0.99, 0.999]), times_ms.max())) + " ms"],
@@ -36,12 +42,19 @@ def running_section(data: ShiftData) -> Section:
     return Section("How the program ran", blocks)
 
 
-def _share(are: list[bool]) -> str:
-    return percent(sum(are) / len(are)) if any(are) else "none"
+def _fell_back(one: Decided, off: set[int]) -> bool:
+    return one.fallback != "none" and id(one) not in off
+
+
+def _share(are: list[bool], exactly: bool) -> str:
+    fraction = sum(are) / len(are)
+    if fraction in {0, 1}:
+        return "all" if fraction else "none"
+    return percent(fraction) if exactly else "less than 1 %" if fraction < 0.01 else percent(fraction, 0)
 
 
 def _reasons(decided: list[Decided], off: set[int]) -> list[str]:
-    found = Counter(one.reason for one in decided if one.fallback != "none" and id(one) not in off)
+    found = Counter(one.reason for one in decided if _fell_back(one, off))
     return [f"`{reason}`" for reason, _ in found.most_common(5)]
 
 
@@ -73,10 +86,6 @@ def _events(data: ShiftData) -> list[str]:
     if not record.is_closed:
         pending = data.parts[-1].segment.decided
         ended = {one.cycle for one in data.parts[-1].segment.worked()}
-        open_cycle = (
-            f" in cycle {pending[-1].cycle}, whose end is not known"
-            if pending and pending[-1].cycle not in ended
-            else ""
-        )
-        found.append(f"The journal was not closed: it stops{open_cycle} at {record.local(record.lasted_s):%H:%M:%S}.")
+        within = " in the middle of a cycle" if pending and pending[-1].cycle not in ended else ""
+        found.append(f"The journal was not closed: it stops{within} at {record.local(record.lasted_s):%H:%M:%S}.")
     return found
