@@ -1,11 +1,12 @@
 """`fatplan live`: what to do with the journal of a shift."""
 
 import json
+import os
 import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -14,7 +15,15 @@ from fatigue_planner.cli.progress import talk, warn
 from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
 from fatigue_planner.core.text import counted
 
-app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.pomdp.scenario import Scenario
+
+app = typer.Typer(
+    name="live",
+    help="A shift beside a robot: serve it, and report, export, recover and clear its journal.",
+    no_args_is_help=True,
+)
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
 
@@ -60,8 +69,6 @@ def serve(
     """
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
         raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
-    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
-    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
@@ -74,16 +81,7 @@ def serve(
     for option, name in (("policy", policy), ("search", search)):
         if name is not None and name not in known:
             raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
-    conditions = loaded.benchmark.conditions
-    chosen = next(iter(conditions)) if condition is None else condition
-    if chosen not in conditions:
-        raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
-        )
-    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
-    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
         began = time.perf_counter()
@@ -99,6 +97,8 @@ def serve(
             search=searching,
             unseen_limit=unseen_limit,
             accept=accept,
+            experiment=from_folder_of(journal, experiment),
+            cache=from_folder_of(journal, cache),
         ) as session:
             tokens, view, act = Tokens.make()
             address = f"http://{host}:{listening.getsockname()[1]}"
@@ -112,6 +112,28 @@ def serve(
                 markup=False,
             )
             serve(session, listening, tokens, clock)
+
+
+def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: str) -> "Scenario":
+    """The scenario of a condition, by default the first; `command` simulates its reactions. Raises SelectionError."""
+    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
+        raise SelectionError(
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
+        )
+    profiles = load_cycle_profiles(loaded, cache, command)
+    warn(omissions(loaded, profiles))
+    possible = without_infeasible(loaded, profiles)
+    return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+
+
+def from_folder_of(journal: Path, path: Path) -> str:
+    """Where a file or folder lies, from the journal's folder; the name of an experiment that ships as it is."""
+    return os.path.relpath(path, journal.parent) if path.exists() else str(path)
 
 
 @app.command(epilog=options.EXIT_CODES)

@@ -40,7 +40,10 @@ class AlarmSettings(Settings):
 
 
 class Opened(Settings):
-    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`."""
+    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`.
+
+    experiment, cache: where they lie, from the journal's folder, for the report; "" where it is not known.
+    """
 
     kind: Literal["opened"] = "opened"
     format: int
@@ -61,6 +64,8 @@ class Opened(Settings):
     sources: dict[str, str] = Field(default_factory=dict)  # digests of the program's sources; none in older journals
     search: dict[str, Any] | None = None  # that improves decisions
     accepted: tuple[str, ...] = ()  # what has changed since the segment before, as somebody has confirmed
+    experiment: str = ""
+    cache: str = ""
 
 
 class Resumed(Settings):

@@ -146,6 +146,8 @@ class Session:
         search: str | Mapping[str, Any] | PolicySettings | None = None,
         unseen_limit: int = UNSEEN_LIMIT,
         accept: bool = False,
+        experiment: str = "",
+        cache: str = "",
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
@@ -155,7 +157,7 @@ class Session:
             on. search: a policy that improves decisions while the worker works, in a process of its own; where it gave
             no answer the first policy decides. unseen_limit: after so many cycles in a row of which nothing is known
             the schedule decides. accept: where the journal's shift had another situation, begin a new segment, which
-            knows nothing of the one before.
+            knows nothing of the one before. experiment, cache: where the report finds them, from the journal's folder.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
@@ -173,9 +175,13 @@ class Session:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
         safe = model.actions.index(safe_action)
         rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
-        opened = opening(scenario, rules, safe_action, clock, alarms)
-        if searching is not None:
-            opened = opened.model_copy(update={"search": searching.plain()})
+        opened = opening(scenario, rules, safe_action, clock, alarms).model_copy(
+            update={
+                "search": None if searching is None else searching.plain(),
+                "experiment": experiment,
+                "cache": cache,
+            }
+        )
         written = Journal(Path(journal))
         try:
             events = since_opened(written.events)
