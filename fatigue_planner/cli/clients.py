@@ -56,13 +56,22 @@ def rehearse(
     The table says how often each fault came and what the server did. Exit code 3: it did not do what is right.
     """
     need_server()
+    from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.rehearsal.registry import FAULTS
     from fatigue_planner.live.rehearsal.rehearse import rehearse
+    from fatigue_planner.live.rules import DEFAULT_POLICY
+    from fatigue_planner.planners.registry import policy as policy_settings
 
     rates = {name: fault.rate for name, fault in FAULTS.items()} if faults is None else _rates(faults, FAULTS)
     if journal.exists():
         raise OutputFolderError(f"{journal}: is there already; a rehearsal begins a journal.")
-    task, settings = task_of(experiment, condition, policy, cache)
+    loaded = load_experiment(experiment)
+    if policy is not None and policy not in loaded.benchmark.policies:
+        raise SelectionError(
+            f"--policy {policy}: not in the experiment's benchmark; available: {listed(loaded.benchmark.policies)}."
+        )
+    settings = policy_settings(DEFAULT_POLICY) if policy is None else loaded.benchmark.policies[policy]
+    task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     words = [str(experiment), "--condition", task.name, "--cache", str(cache)]
     words += [] if policy is None else ["--policy", policy]
     words += [word for file in plugins or () for word in ("--plugin", str(file))]
