@@ -124,7 +124,7 @@ class Session:
         self._lock, self._changing = threading.Lock(), threading.Lock()
         self._pending: CycleDecision | None = None
         self._prepared: Choice | None = None
-        self._recorded = -1
+        self._recorded = self._resumed_at = -1
         # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
         self._told: Executed | None = None
         self._robot_cycle, self._robot_silent = 0, False
@@ -395,6 +395,7 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                resumed_at=self._resumed_at,
                 actions=self._shift.scenario.model.actions,
                 reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
@@ -641,6 +642,7 @@ class Session:
             self._clock_watch.stood(last.seconds, last.utc)
         away_s = max(self._clock.seconds() - self._now(last, known[-1]), 0.0)
         self._record(Resumed(origin=origin, away_s=away_s, alarms=now.alarms))
+        self._resumed_at = self._recorded
         begun = events[0].event
         assert isinstance(begun, Opened)
         given = (now.deadline_s, now.unseen_limit)

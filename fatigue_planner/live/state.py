@@ -103,6 +103,7 @@ class SessionState:
     it never has. rehearsal: time is simulated. degraded: nothing was seen of the
     last DEGRADED_AFTER cycles. surprises: among this worker's last 50 cycles; fits: whether the model
     fits him, see `fit`.
+    resumed_at: the number of the event with which the program went on; what had this or a later number before is lost.
     actions, reactions: all that can be decided and recognised, in the experiment's order.
     """
 
@@ -121,6 +122,7 @@ class SessionState:
     fault: str
     robot: Robot = "unknown"
     rehearsal: bool = False
+    resumed_at: int = -1
     actions: tuple[str, ...] = ()
     reactions: tuple[str, ...] = ()
     degraded: bool = False

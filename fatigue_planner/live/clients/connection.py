@@ -164,9 +164,11 @@ class Connection:
             return False
         self.restarts += 1
         again, self._kept = list(self._kept), deque(maxlen=MAX_KEPT)
-        for _, name, said in again:
-            with suppress(FaceRefusedError):  # it is known already, or too old
-                self.call(name, **said)
+        lost_from = self.state()["resumed_at"]
+        for number, name, said in again:
+            if 0 < lost_from <= number:
+                with suppress(FaceRefusedError):  # too old
+                    self.call(name, **said)
         return True
 
 
