@@ -1,10 +1,11 @@
 """A rehearsal: a server that does what is right passes with every fault, and one that does not is found out."""
 
 import json
+import subprocess
 from pathlib import Path
 
 import pytest
-from commands import fatplan, finished
+from commands import fatplan, finished, process
 from conftest import PAPER
 
 import fatigue_planner as fp
@@ -47,7 +48,9 @@ def test_every_fault_is_met_as_it_should(tmp_path: Path, cache_folder: Path) -> 
     rates = dict.fromkeys(FAULTS, 0.07) | {"server_killed": 0.03}
     asked = [word for name, rate in rates.items() for word in ("--fault", f"{name}={rate}")]
     folder = ("--cache", cache_folder, "--journal", tmp_path / "rehearsal.fatplan")
-    done = finished(*COMMAND, "--cycles", 130, "--json", *asked, *folder)
+    running = process(*COMMAND, "--cycles", 130, "--json", *asked, *folder)
+    out, err = running.communicate(timeout=900)
+    done = subprocess.CompletedProcess(running.args, running.returncode, out, err)
     assert done.returncode == 0, done.stdout + done.stderr
     came = json.loads(done.stdout)
     assert (came["right"], came["belief_is_right"], came["wrong_inputs"]) == (True, True, [])
