@@ -15,6 +15,7 @@ from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
+from fatigue_planner.cli.reach import reach
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.schedule import schedule
 from fatigue_planner.cli.sensitivity import sensitivity
@@ -32,7 +33,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS = (
-    init, assess, simulate, benchmark, schedule, claims, report, compare, sensitivity, view, validate, schema, doctor,
+    init, assess, simulate, benchmark, reach, schedule, claims, report, compare, sensitivity, view, validate, schema,
+    doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
