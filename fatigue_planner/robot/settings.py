@@ -1,14 +1,17 @@
 """What an experiment says of its robot: which arm, where it stands, how it holds what it presents."""
 
+from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from fatigue_planner.core.errors import listed
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Action
+from fatigue_planner.robot.arm import shipped_arms
 
 Vector = NDArray[np.float64]
 
@@ -105,6 +108,13 @@ class RobotSettings(Settings):
         le=0.5,
         description="Half the thickness in m of the links of an arm from a URDF file; those that ship have theirs.",
     )
+
+    @field_validator("arm")
+    @classmethod
+    def _check_arm(cls, arm: str) -> str:
+        if arm not in shipped_arms() and Path(arm).suffix != ".urdf":
+            raise ValueError(f"should be one of {listed(shipped_arms())}, or the path of a .urdf file")
+        return arm
 
     def flange_targets(self, action: Action) -> Vector:
         """Where the flange has to be for an action, (n, 4, 4): at every waypoint, between the hands where two work."""

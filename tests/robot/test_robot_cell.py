@@ -86,7 +86,7 @@ def test_the_command_says_what_is_reached_and_what_is_in_the_way(cache_folder: P
     [
         ((), "--arm and --base: needed, as the experiment has no robot"),
         (("--arm", "ur5e"), "--base: needed"),
-        (("--arm", "ur6", "--base", 1, 0, 0), "robot.arm 'ur6': should be one of ur10e, ur3e, ur5e"),
+        (("--arm", "ur6", "--base", 1, 0, 0), "should be one of ur10e, ur3e, ur5e, or the path of a .urdf file"),
         (("--arm", "ur5e", "--base", 9, 0, 0), "robot: base_m.x = 9.0: input should be less than or equal to 5"),
     ],
 )

@@ -71,6 +71,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             [
                 experiment.fatigue.plain(),
                 experiment.cost.plain(),
+                experiment.robot and experiment.robot.plain(),
                 [worker.strength for worker in experiment.workers.values()],
             ]
         )
