@@ -15,7 +15,7 @@ from fatigue_planner.robot.settings import PEDESTAL_RADIUS_M, RobotBase, RobotSe
 Vector = NDArray[np.float64]
 
 # Starts of the search for a pose. Of 6,000 random poses of the three arms that ship, 32 missed one that 500 others
-# found, 48 none (perf/robot.py).
+# found, and 48 none.
 STARTS = 64
 NOBODY = (np.empty((0, 2, 3)), np.empty(0))
 
