@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -12,6 +12,9 @@ from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import talk, warn
 from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
 from fatigue_planner.core.text import counted
+
+if TYPE_CHECKING:
+    from fatigue_planner.live.events import AlarmSettings
 
 app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
 
@@ -35,15 +38,31 @@ def serve(
     safe_action: Annotated[
         str | None, typer.Option("--safe-action", help="Action if nothing else decides. Default: the most ergonomic.")
     ] = None,
-    host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
+    limit: Annotated[
+        float, typer.Option("--limit", min=0.01, max=0.99, help="Fatigue above which a pause is wanted.")
+    ] = 0.5,
+    limit_source: Annotated[
+        str | None, typer.Option("--limit-source", help="Where the limit comes from, as the page says.")
+    ] = None,
+    repeat_s: Annotated[
+        float,
+        typer.Option("--repeat-after", min=1, max=86400, help="Seconds after which a seen alarm is told again."),
+    ] = 600.0,
+    host: Annotated[
+        str, typer.Option("--host", help="Address of this machine; any but loopback needs a certificate.")
+    ] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    tls_cert: Annotated[
+        Path | None, typer.Option("--tls-cert", help="Certificate in PEM, with the chain: the face speaks HTTPS.")
+    ] = None,
+    tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key in PEM, without a password.")] = None,
     rehearsal: Annotated[
         bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
     ] = False,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
 ) -> None:
-    """Run a shift of an EXPERIMENT beside a robot: HTTP and JSON on this machine, and a page for operators.
+    """Run a shift of an EXPERIMENT beside a robot: HTTP and JSON, and a page for operators.
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
@@ -54,10 +73,16 @@ def serve(
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
-    from fatigue_planner.live.face.server import bound, serve, write_token
+    from fatigue_planner.live.face.server import bound, check_host, names_of, serve, write_token
+    from fatigue_planner.live.face.tls import certificate
     from fatigue_planner.live.journal_file import last_seconds
     from fatigue_planner.live.session import Session
 
+    if (tls_cert is None) != (tls_key is None):
+        raise SelectionError("--tls-cert and --tls-key: give both, or none.")
+    shown = None if tls_cert is None or tls_key is None else certificate(tls_cert, tls_key)
+    check_host(host, shown)
+    alarms = alarm_settings(limit, limit_source, repeat_s)
     loaded = load_experiment(experiment)
     known = loaded.benchmark.policies
     if policy is not None and policy not in known:
@@ -76,9 +101,10 @@ def serve(
         talk().print("Compiling and running everything once ...")
         settings = None if policy is None else known[policy]
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
-        with Session.open(journal, task, settings, deadline_s, safe_action, clock) as session:
+        with Session.open(journal, task, settings, deadline_s, safe_action, clock, alarms) as session:
             tokens, view, act = Tokens.make()
-            address = f"http://{host}:{listening.getsockname()[1]}"
+            names = names_of(host, listening.getsockname()[1], shown)
+            address = f"{'http' if shown is None else 'https'}://{names[0]}"
             for right, token in (("view", view), ("act", act)):
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
             typer.echo(f"{address}/#{view}")
@@ -87,7 +113,18 @@ def serve(
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
-            serve(session, listening, tokens, clock)
+            serve(session, listening, tokens, frozenset(names), shown, clock)
+
+
+def alarm_settings(limit: float, source: str | None, repeat_s: float) -> "AlarmSettings":
+    """When a pause is wanted. Raises SelectionError."""
+    from fatigue_planner.live.events import MAX_SOURCE_LENGTH, AlarmSettings
+
+    if source is not None and len(source) > MAX_SOURCE_LENGTH:
+        raise SelectionError(f"--limit-source: should have at most {MAX_SOURCE_LENGTH} characters, has {len(source)}.")
+    if source is None and limit == AlarmSettings().limit:
+        return AlarmSettings(repeat_s=repeat_s)
+    return AlarmSettings(limit=limit, limit_source=source or "--limit, no source given", repeat_s=repeat_s)
 
 
 @app.command(epilog=options.EXIT_CODES)

@@ -68,6 +68,10 @@ class Advise(Request):
     on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
 
 
+class Acknowledge(Request):
+    """Somebody has seen the alarms that are on."""
+
+
 class Note(Request):
     """A remark for the journal."""
 
@@ -83,7 +87,7 @@ class MoveClock(Request):
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
     "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
-    "advise": Advise, "note": Note, "clock": MoveClock,
+    "advise": Advise, "acknowledge": Acknowledge, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 
