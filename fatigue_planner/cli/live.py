@@ -1,6 +1,8 @@
 """`fatplan live`: what to do with the journal of a shift."""
 
 import json
+import os
+import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,9 +16,15 @@ from fatigue_planner.core.errors import MissingExtraError, SelectionError, liste
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.live.events import AlarmSettings
+    from fatigue_planner.pomdp.scenario import Scenario
 
-app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
+app = typer.Typer(
+    name="live",
+    help="A shift beside a robot: serve it, and report, export, recover and clear its journal.",
+    no_args_is_help=True,
+)
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
 
@@ -56,6 +64,16 @@ def serve(
         Path | None, typer.Option("--tls-cert", help="Certificate in PEM, with the chain: the face speaks HTTPS.")
     ] = None,
     tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key in PEM, without a password.")] = None,
+    search: Annotated[
+        str | None,
+        typer.Option("--search", help="Policy of the experiment's benchmark that improves decisions, in time or not."),
+    ] = None,
+    unseen_limit: Annotated[
+        int, typer.Option("--unseen-limit", help="Cycles not seen, in a row, after which the schedule decides.")
+    ] = 20,
+    accept: Annotated[
+        bool, typer.Option("--accept", help="Begin a new segment where the journal's shift had another situation.")
+    ] = False,
     rehearsal: Annotated[
         bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
     ] = False,
@@ -68,8 +86,6 @@ def serve(
     """
     if find_spec("starlette") is None or find_spec("uvicorn") is None:
         raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
-    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
-    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
@@ -85,23 +101,29 @@ def serve(
     alarms = alarm_settings(limit, limit_source, repeat_s)
     loaded = load_experiment(experiment)
     known = loaded.benchmark.policies
-    if policy is not None and policy not in known:
-        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
-    conditions = loaded.benchmark.conditions
-    chosen = next(iter(conditions)) if condition is None else condition
-    if chosen not in conditions:
-        raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
-        )
-    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
-    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    for option, name in (("policy", policy), ("search", search)):
+        if name is not None and name not in known:
+            raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
-        settings = None if policy is None else known[policy]
+        began = time.perf_counter()
+        settings, searching = (None if name is None else known[name] for name in (policy, search))
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
-        with Session.open(journal, task, settings, deadline_s, safe_action, clock, alarms) as session:
+        with Session.open(
+            journal,
+            task,
+            settings,
+            deadline_s,
+            safe_action,
+            clock,
+            alarms,
+            search=searching,
+            unseen_limit=unseen_limit,
+            accept=accept,
+            experiment=from_folder_of(journal, experiment),
+            cache=from_folder_of(journal, cache),
+        ) as session:
             tokens, view, act = Tokens.make()
             names = names_of(host, listening.getsockname()[1], shown)
             address = f"{'http' if shown is None else 'https'}://{names[0]}"
@@ -109,7 +131,8 @@ def serve(
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
             typer.echo(f"{address}/#{view}")
             talk().print(
-                f"Cycle {session.cycle} of {journal}. The line above is the page; the token to act is in "
+                f"Ready after {time.perf_counter() - began:.1f} s. Cycle {session.cycle} of {journal}. "
+                f"The line above is the page; the token to act is in "
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
@@ -125,6 +148,28 @@ def alarm_settings(limit: float, source: str | None, repeat_s: float) -> "AlarmS
     if source is None and limit == AlarmSettings().limit:
         return AlarmSettings(repeat_s=repeat_s)
     return AlarmSettings(limit=limit, limit_source=source or "--limit, no source given", repeat_s=repeat_s)
+
+
+def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: str) -> "Scenario":
+    """The scenario of a condition, by default the first; `command` simulates its reactions. Raises SelectionError."""
+    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
+        raise SelectionError(
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
+        )
+    profiles = load_cycle_profiles(loaded, cache, command)
+    warn(omissions(loaded, profiles))
+    possible = without_infeasible(loaded, profiles)
+    return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+
+
+def from_folder_of(journal: Path, path: Path) -> str:
+    """Where a file or folder lies, from the journal's folder; the name of an experiment that ships as it is."""
+    return os.path.relpath(path, journal.parent) if path.exists() else str(path)
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -164,12 +209,16 @@ def export(
 def recover(
     journal: JournalFile,
     into: Annotated[Path, typer.Argument(metavar="NEW", help="The new journal.")],
+    from_cycle: Annotated[
+        int | None,
+        typer.Option("--from", metavar="CYCLE", help="Cycle to go on with. Default: the one after the last intact."),
+    ] = None,
     as_json: options.Json = False,
 ) -> None:
     """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
     from fatigue_planner.live.journal_file import recover
 
-    events = recover(journal, into)
+    events = recover(journal, into, from_cycle)
     options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)
 
 

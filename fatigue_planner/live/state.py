@@ -19,6 +19,8 @@ Robot = Literal["unknown", "answers", "unreachable"]
 # The joints that are shown are the most tired ones, each with an interval that holds nine tenths of the belief.
 SHOWN_JOINTS = 8
 LOWER, UPPER = 0.05, 0.95
+# After so many cycles in a row of which nothing was seen, people should look why.
+DEGRADED_AFTER = 3
 DEVIATIONS = 1.645  # of a normal distribution, to either side of the mean, hold as much
 
 
@@ -98,7 +100,9 @@ class SessionState:
     cycle: that comes or goes on; action: what was decided for it, None before that. since_s: seconds since the last
     cycle or pause ended; planned_s: the duration of a cycle. joints: the most tired ones. fault: why nothing is
     recorded any more. worker: a random number. robot: whether it says what it does (`Session.executed`), unknown where
-    it never has. rehearsal: time is simulated.
+    it never has. rehearsal: time is simulated. degraded: nothing was seen of the
+    last DEGRADED_AFTER cycles. surprises: among this worker's last 50 cycles; fits: whether the model
+    fits him, see `fit`.
     """
 
     cycle: int
@@ -116,6 +120,9 @@ class SessionState:
     fault: str
     robot: Robot = "unknown"
     rehearsal: bool = False
+    degraded: bool = False
+    surprises: int = 0
+    fits: bool = True
 
 
 def pauses(watch: Watch, levels: Levels, shift: Shift, now_s: float) -> Pauses:

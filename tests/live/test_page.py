@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from browser import Page, chromium
-from test_face import Server, start
+from servers import Server, start
 
 from fatigue_planner.live.events import Acknowledged, Rested
 from fatigue_planner.live.face.page import PAGE

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from commands import process, refused
-from test_face import SERVE
+from servers import SERVE
 
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.live.face.server import names_of
