@@ -29,6 +29,12 @@ app = typer.Typer(
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
 
 
+def need_server() -> None:
+    """Raise MissingExtraError if there is nothing to serve the face with."""
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtraError("fatplan live needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
+
+
 @app.command(epilog=options.EXIT_CODES)
 def serve(
     experiment: options.ExperimentFile,
@@ -84,8 +90,7 @@ def serve(
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
+    need_server()
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
