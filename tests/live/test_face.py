@@ -18,9 +18,13 @@ from servers import SERVE, Server, start
 
 from fatigue_planner.core.errors import EvidenceError
 from fatigue_planner.live.events import Observed
+from fatigue_planner.live.face.app import Face
+from fatigue_planner.live.face.description import openapi
+from fatigue_planner.live.face.guard import OPEN_PATHS
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
-from fatigue_planner.live.face.requests import CALLS, openapi, parse
+from fatigue_planner.live.face.requests import CALLS, parse
 from fatigue_planner.live.journal_file import read_journal
+from fatigue_planner.live.state import SessionState
 
 
 @pytest.fixture(scope="module")
@@ -41,12 +45,26 @@ def test_a_request_is_checked_field_by_field() -> None:
     assert parse(CALLS["rest"], b'{"seconds": 3}').plain() == {"seconds": 3.0}
 
 
-def test_the_description_names_every_call() -> None:
-    described = openapi("1")
-    assert {f"/v1/{name}" for name in CALLS} <= set(described["paths"])
-    for call in described["paths"].values():
+def test_the_description_is_complete() -> None:
+    """Every route with its methods, and nothing else; every schema that is pointed to is there."""
+    described, face = openapi("1"), Face(None)  # type: ignore[arg-type]
+    routes = {route.path: (route.methods or set()) - {"HEAD"} for route in face.routes()}
+    assert {path: {name.upper() for name in methods} for path, methods in described["paths"].items()} == routes
+    for path, call in described["paths"].items():
         for method in call.values():
             assert method["summary"].endswith(".")
+            assert all(one["description"].endswith(".") for one in method["responses"].values())
+            assert {"200", "421"} <= set(method["responses"])
+            assert (path in OPEN_PATHS) == (method.get("security") == [])
+            for field in method.get("requestBody", {}).values():
+                fields = field["application/json"]["schema"]["properties"].values()
+                assert all(one["description"].endswith(".") for one in fields)
+    pointed = set(re.findall(r'"#/components/schemas/(\w+)"', json.dumps(described)))
+    assert pointed <= set(described["components"]["schemas"])
+    assert set(described["components"]["schemas"]["SessionState"]["properties"]) == {
+        *SessionState.__dataclass_fields__,
+        "watchers",
+    }
 
 
 def test_the_page_is_small_and_asks_nobody_else() -> None:

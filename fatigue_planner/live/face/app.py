@@ -16,9 +16,10 @@ from starlette.routing import Route
 from fatigue_planner import __version__
 from fatigue_planner.core.errors import ContradictionError, EvidenceError, FatplanError
 from fatigue_planner.live.clock import RehearsalClock
+from fatigue_planner.live.face.description import openapi
 from fatigue_planner.live.face.guard import HEADERS, Guard, Tokens
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
-from fatigue_planner.live.face.requests import CALLS, Request, openapi, parse
+from fatigue_planner.live.face.requests import CALLS, Request, parse
 from fatigue_planner.live.session import Session
 
 # Those who watch get the newest state so often, and after every change.
@@ -27,7 +28,7 @@ MAX_WATCHERS = 50
 
 
 class Face:
-    """A session as an ASGI application; see `requests.openapi` for what it offers."""
+    """A session as an ASGI application; see `description.openapi` for what it offers."""
 
     def __init__(self, session: Session, rehearsal: RehearsalClock | None = None) -> None:
         self._session, self._rehearsal = session, rehearsal
@@ -38,15 +39,19 @@ class Face:
 
     def application(self, tokens: Tokens, hosts: frozenset[str]) -> Guard:
         """The application, guarded."""
+        return Guard(Starlette(routes=self.routes()), tokens, hosts)
+
+    def routes(self) -> list[Route]:
+        """What is answered, path by path."""
         routes = [Route(f"/v1/{name}", self._call, methods=["POST"], name=name) for name in CALLS]
-        routes += [
+        return [
+            *routes,
             Route("/v1/state", self._state),
             Route("/v1/events", self._events),
             Route("/healthz", self._health),
             Route("/openapi.json", self._openapi),
             Route("/", self._page),
         ]
-        return Guard(Starlette(routes=routes), tokens, hosts)
 
     async def _call(self, request: HttpRequest) -> Response:
         name = request.url.path.rpartition("/")[2]
