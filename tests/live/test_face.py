@@ -20,7 +20,7 @@ from fatigue_planner.core.errors import EvidenceError
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.face.app import Face
 from fatigue_planner.live.face.description import openapi
-from fatigue_planner.live.face.guard import OPEN_PATHS
+from fatigue_planner.live.face.guard import MAX_REFUSALS_PER_S, OPEN_PATHS, REFUSAL_WAIT_S
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
 from fatigue_planner.live.face.requests import CALLS, parse
 from fatigue_planner.live.journal_file import read_journal
@@ -105,7 +105,7 @@ def test_a_cycle(server: Server) -> None:
 
 @pytest.mark.slow
 def test_who_may_not_is_refused(server: Server) -> None:
-    before = server.call("/v1/state")[1]["recorded"]
+    before = server.call("/v1/state")[1]["cycle"]
     assert server.call("/v1/state", token="")[0] == 401
     assert server.call("/v1/state", token="x" * 43)[0] == 401
     assert server.call("/v1/state", token="ä")[0] == 401
@@ -119,7 +119,11 @@ def test_who_may_not_is_refused(server: Server) -> None:
     assert server.call("/v1/nothing")[0] == 404
     for path in ("/", "/healthz", "/openapi.json"):
         assert server.call(path, token="")[0] == 200
-    assert server.call("/v1/state")[1]["recorded"] == before
+    assert server.call("/v1/state")[1]["cycle"] == before
+    begin = time.monotonic()
+    for _ in range(MAX_REFUSALS_PER_S * 2 + 2):  # of two seconds, if it is slow
+        assert server.call("/v1/state", token="")[0] == 401
+    assert time.monotonic() - begin > REFUSAL_WAIT_S
 
 
 def watch(server: Server) -> bytes:
