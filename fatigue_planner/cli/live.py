@@ -17,6 +17,7 @@ from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.live.events import AlarmSettings
     from fatigue_planner.planners.policy import PolicySettings
     from fatigue_planner.pomdp.scenario import Scenario
 
@@ -62,8 +63,24 @@ def serve(
     safe_action: Annotated[
         str | None, typer.Option("--safe-action", help="Action if nothing else decides. Default: the most ergonomic.")
     ] = None,
-    host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
+    limit: Annotated[
+        float, typer.Option("--limit", min=0.01, max=0.99, help="Fatigue above which a pause is wanted.")
+    ] = 0.5,
+    limit_source: Annotated[
+        str | None, typer.Option("--limit-source", help="Where the limit comes from, as the page says.")
+    ] = None,
+    repeat_s: Annotated[
+        float,
+        typer.Option("--repeat-after", min=1, max=86400, help="Seconds after which a seen alarm is told again."),
+    ] = 600.0,
+    host: Annotated[
+        str, typer.Option("--host", help="Address of this machine; any but loopback needs a certificate.")
+    ] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    tls_cert: Annotated[
+        Path | None, typer.Option("--tls-cert", help="Certificate in PEM, with the chain: the face speaks HTTPS.")
+    ] = None,
+    tls_key: Annotated[Path | None, typer.Option("--tls-key", help="Its key in PEM, without a password.")] = None,
     search: Annotated[
         str | None,
         typer.Option("--search", help="Policy of the experiment's benchmark that improves decisions, in time or not."),
@@ -80,7 +97,7 @@ def serve(
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
 ) -> None:
-    """Run a shift of an EXPERIMENT beside a robot: HTTP and JSON on this machine, and a page for operators.
+    """Run a shift of an EXPERIMENT beside a robot: HTTP and JSON, and a page for operators.
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
@@ -88,10 +105,16 @@ def serve(
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
-    from fatigue_planner.live.face.server import bound, serve, write_token
+    from fatigue_planner.live.face.server import bound, check_host, names_of, serve, write_token
+    from fatigue_planner.live.face.tls import certificate
     from fatigue_planner.live.journal_file import last_seconds
     from fatigue_planner.live.session import Session
 
+    if (tls_cert is None) != (tls_key is None):
+        raise SelectionError("--tls-cert and --tls-key: give both, or none.")
+    shown = None if tls_cert is None or tls_key is None else certificate(tls_cert, tls_key)
+    check_host(host, shown)
+    alarms = alarm_settings(limit, limit_source, repeat_s)
     loaded = load_experiment(experiment)
     settings, searching = policy_of(loaded, "policy", policy), policy_of(loaded, "search", search)
     task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
@@ -106,6 +129,7 @@ def serve(
             deadline_s,
             safe_action,
             clock,
+            alarms,
             search=searching,
             unseen_limit=unseen_limit,
             accept=accept,
@@ -113,7 +137,8 @@ def serve(
             cache=from_folder_of(journal, cache),
         ) as session:
             tokens, view, act = Tokens.make()
-            address = f"http://{host}:{listening.getsockname()[1]}"
+            names = names_of(host, listening.getsockname()[1], shown)
+            address = f"{'http' if shown is None else 'https'}://{names[0]}"
             for right, token in (("view", view), ("act", act)):
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
             typer.echo(f"{address}/#{view}")
@@ -123,7 +148,18 @@ def serve(
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
-            serve(session, listening, tokens, clock)
+            serve(session, listening, tokens, frozenset(names), shown, clock)
+
+
+def alarm_settings(limit: float, source: str | None, repeat_s: float) -> "AlarmSettings":
+    """When a pause is wanted. Raises SelectionError."""
+    from fatigue_planner.live.events import MAX_SOURCE_LENGTH, AlarmSettings
+
+    if source is not None and len(source) > MAX_SOURCE_LENGTH:
+        raise SelectionError(f"--limit-source: should have at most {MAX_SOURCE_LENGTH} characters, has {len(source)}.")
+    if source is None and limit == AlarmSettings().limit:
+        return AlarmSettings(repeat_s=repeat_s)
+    return AlarmSettings(limit=limit, limit_source=source or "--limit, no source given", repeat_s=repeat_s)
 
 
 def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: str) -> "Scenario":

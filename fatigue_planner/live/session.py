@@ -44,6 +44,7 @@ from fatigue_planner.live.events import (
     Noted,
     Observed,
     Opened,
+    Refused,
     Rested,
     Resumed,
     SearchFailed,
@@ -366,6 +367,11 @@ class Session:
             if entries:
                 self._tell(Acknowledged(entries=entries))
 
+    def refused(self, counts: Mapping[str, int]) -> None:
+        """Write into the journal that requests were refused, so many by their HTTP status."""
+        with self._lock:
+            self._tell(Refused(counts=dict(counts)))
+
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
         with self._turn():
@@ -395,6 +401,8 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                actions=self._shift.scenario.model.actions,
+                reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,

@@ -14,7 +14,7 @@ from fatigue_planner.live.events import Opened
 from fatigue_planner.live.journal_file import read_journal
 from fatigue_planner.live.rehearsal.registry import FAULTS
 from fatigue_planner.live.rehearsal.rehearse import rehearse
-from fatigue_planner.live.session import DEFAULT_POLICY
+from fatigue_planner.live.rules import DEFAULT_POLICY
 from fatigue_planner.planners.registry import policy
 
 COMMAND = ("live", "rehearse", "paper", "--condition", "multiple_novice")
