@@ -113,7 +113,7 @@ def test_what_the_robot_says_it_does_is_told(cell: Cell) -> None:
 
 
 @pytest.mark.slow
-def test_only_an_echo_is_delivery(cell: Cell) -> None:
+def test_scenario_28_only_an_echo_is_delivery(cell: Cell) -> None:
     """Silent for a cycle, late, off while we write, on again, a cable pulled, the server killed."""
     until(lambda: cell.robot() == "answers")
     cell.controller.ask("silent")
