@@ -146,6 +146,8 @@ class Session:
         search: str | Mapping[str, Any] | PolicySettings | None = None,
         unseen_limit: int = UNSEEN_LIMIT,
         accept: bool = False,
+        experiment: str = "",
+        cache: str = "",
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
@@ -155,7 +157,7 @@ class Session:
             on. search: a policy that improves decisions while the worker works, in a process of its own; where it gave
             no answer the first policy decides. unseen_limit: after so many cycles in a row of which nothing is known
             the schedule decides. accept: where the journal's shift had another situation, begin a new segment, which
-            knows nothing of the one before.
+            knows nothing of the one before. experiment, cache: where the report finds them, from the journal's folder.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
@@ -173,9 +175,13 @@ class Session:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
         safe = model.actions.index(safe_action)
         rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
-        opened = opening(scenario, rules, safe_action, clock, alarms)
-        if searching is not None:
-            opened = opened.model_copy(update={"search": searching.plain()})
+        opened = opening(scenario, rules, safe_action, clock, alarms).model_copy(
+            update={
+                "search": None if searching is None else searching.plain(),
+                "experiment": experiment,
+                "cache": cache,
+            }
+        )
         written = Journal(Path(journal))
         try:
             events = since_opened(written.events)
@@ -273,9 +279,18 @@ class Session:
                 self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
-    def skip(self, duration_s: float | None = None) -> CycleDecision:
-        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision."""
+    def skip(self, duration_s: float | None = None, cycle: int | None = None) -> CycleDecision:
+        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision.
+
+        cycle: with it, what is said again changes nothing. Raises CycleError if it is another than the one going on and
+        was not skipped.
+        """
         with self._turn() as began:
+            if cycle is not None and cycle != self._shift.cycle:
+                said.check_cycle(cycle, self._shift)
+                if not isinstance(self._shift.recent(cycle), Skipped):
+                    raise CycleError(f"cycle {cycle}: was observed, and cannot be skipped any more.")
+                return self._decided(began)
             passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
             seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
             self._end(Skipped(cycle=self._shift.cycle, duration_s=seconds))
@@ -380,6 +395,8 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                actions=self._shift.scenario.model.actions,
+                reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,

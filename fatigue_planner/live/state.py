@@ -103,6 +103,7 @@ class SessionState:
     it never has. rehearsal: time is simulated. degraded: nothing was seen of the
     last DEGRADED_AFTER cycles. surprises: among this worker's last 50 cycles; fits: whether the model
     fits him, see `fit`.
+    actions, reactions: all that can be decided and recognised, in the experiment's order.
     """
 
     cycle: int
@@ -120,6 +121,8 @@ class SessionState:
     fault: str
     robot: Robot = "unknown"
     rehearsal: bool = False
+    actions: tuple[str, ...] = ()
+    reactions: tuple[str, ...] = ()
     degraded: bool = False
     surprises: int = 0
     fits: bool = True

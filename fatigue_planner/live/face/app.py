@@ -86,7 +86,7 @@ class Face:
     async def _events(self, request: HttpRequest) -> Response:
         if self._watchers >= MAX_WATCHERS:
             return JSONResponse({"error": f"{MAX_WATCHERS} are watching already"}, 503, HEADERS)
-        headers = {**HEADERS, "x-accel-buffering": "no"}
+        headers = {**HEADERS, "x-accel-buffering": "no", "fatplan-right": request.scope["right"]}
         return StreamingResponse(self._stream(request), media_type="text/event-stream", headers=headers)
 
     async def _stream(self, request: HttpRequest) -> AsyncIterator[str]:

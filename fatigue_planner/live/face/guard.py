@@ -49,7 +49,10 @@ def _digest(token: str) -> bytes:
 
 
 class Guard:
-    """Lets through what may pass: ASGI middleware. `hosts`: what the Host header may say, such as 127.0.0.1:8765."""
+    """Lets through what may pass: ASGI middleware. `hosts`: what the Host header may say, such as 127.0.0.1:8765.
+
+    The scope of what it hands on says what the token permits, as `right`.
+    """
 
     def __init__(self, app: ASGIApp, tokens: Tokens, hosts: frozenset[str]) -> None:
         self._app, self._tokens, self._hosts = app, tokens, hosts
@@ -80,11 +83,11 @@ class Guard:
             if name in (b"host", b"origin", b"authorization", b"content-length") and name in headers:
                 return 400, f"the header {name.decode()} is there twice"
             headers[name] = value
-        host = headers.get(b"host", b"").decode("latin-1")
+        host = headers.get(b"host", b"").decode("latin-1").lower()
         if host not in self._hosts:
             return 421, "this program is not at that address"  # a page elsewhere that has been given our address
         origin = headers.get(b"origin")
-        if origin is not None and origin.decode("latin-1") not in (f"http://{host}", f"https://{host}"):
+        if origin is not None and origin.decode("latin-1").lower() not in (f"http://{host}", f"https://{host}"):
             return 403, "the request comes from a page elsewhere"
         length = headers.get(b"content-length", b"0")
         if not length.isdigit() or int(length[:20]) > MAX_BODY_BYTES:
@@ -97,6 +100,7 @@ class Guard:
             return 401, "a token is needed: Authorization: Bearer TOKEN"
         if right == "view" and scope["method"] not in ("GET", "HEAD"):
             return 403, "this token may only look"
+        scope["right"] = right
         return None
 
 

@@ -48,6 +48,7 @@ class Skip(Request):
     """The worker did nothing in this cycle."""
 
     duration_s: float | None = Field(default=None, description="For how long, in s. Default: since the last cycle.")
+    cycle: int | None = Field(default=None, description="Number of the cycle; with it, what is said again is known.")
 
 
 class Rest(Request):
@@ -66,6 +67,10 @@ class Advise(Request):
     """Whether the belief decides for this worker."""
 
     on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
+
+
+class Acknowledge(Request):
+    """Somebody has seen the alarms that are on."""
 
 
 class Configure(Request):
@@ -95,7 +100,7 @@ class MoveClock(Request):
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
     "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
-    "advise": Advise, "configure": Configure, "note": Note, "clock": MoveClock,
+    "advise": Advise, "acknowledge": Acknowledge, "configure": Configure, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 
