@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fatigue_planner.cli import options
-from fatigue_planner.cli.live import need_server, task_of
+from fatigue_planner.cli.live import need_server, policy_of, task_of
 from fatigue_planner.cli.progress import progress, talk
 from fatigue_planner.core.errors import ExitCode, MissingExtraError, OutputFolderError, SelectionError, listed
 
@@ -66,11 +66,7 @@ def rehearse(
     if journal.exists():
         raise OutputFolderError(f"{journal}: is there already; a rehearsal begins a journal.")
     loaded = load_experiment(experiment)
-    if policy is not None and policy not in loaded.benchmark.policies:
-        raise SelectionError(
-            f"--policy {policy}: not in the experiment's benchmark; available: {listed(loaded.benchmark.policies)}."
-        )
-    settings = policy_settings(DEFAULT_POLICY) if policy is None else loaded.benchmark.policies[policy]
+    settings = policy_of(loaded, "policy", policy) or policy_settings(DEFAULT_POLICY)
     task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     words = [str(experiment), "--condition", task.name, "--cache", str(cache)]
     words += [] if policy is None else ["--policy", policy]

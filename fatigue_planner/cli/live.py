@@ -18,15 +18,26 @@ from fatigue_planner.core.text import counted
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.live.events import AlarmSettings
+    from fatigue_planner.planners.policy import PolicySettings
     from fatigue_planner.pomdp.scenario import Scenario
 
 app = typer.Typer(
     name="live",
-    help="A shift beside a robot: serve it, and report, export, recover and clear its journal.",
+    help="A shift beside a robot: serve it, rehearse it, and report, export, recover and clear its journal.",
     no_args_is_help=True,
 )
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+
+
+def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySettings | None":
+    """The policy that an option names, if it names one. Raises SelectionError."""
+    known = loaded.benchmark.policies
+    if name is None:
+        return None
+    if name not in known:
+        raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    return known[name]
 
 
 def need_server() -> None:
@@ -109,15 +120,11 @@ def serve(
     check_host(host, shown)
     alarms = alarm_settings(limit, limit_source, repeat_s)
     loaded = load_experiment(experiment)
-    known = loaded.benchmark.policies
-    for option, name in (("policy", policy), ("search", search)):
-        if name is not None and name not in known:
-            raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    settings, searching = policy_of(loaded, "policy", policy), policy_of(loaded, "search", search)
     task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
         began = time.perf_counter()
-        settings, searching = (None if name is None else known[name] for name in (policy, search))
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
         with Session.open(
             journal,
