@@ -21,6 +21,7 @@ from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.validate import schema, validate
 from fatigue_planner.cli.view import view
+from fatigue_planner.cli.watch import watch
 from fatigue_planner.core.errors import SelectionError
 
 app = typer.Typer(
@@ -36,6 +37,7 @@ COMMANDS = (
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
+live.app.command(epilog=options.EXIT_CODES)(watch)
 live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
 live.app.command(epilog=options.EXIT_CODES)(clients.ur)
 live.app.command(epilog=options.EXIT_CODES)(clients.lsl)

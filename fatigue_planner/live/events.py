@@ -257,6 +257,13 @@ class Cleared(Settings):
     entry: str
 
 
+class Refused(Settings):
+    """Requests that may not pass, by their HTTP status, since this was told last; at most once a second."""
+
+    kind: Literal["refused"] = "refused"
+    counts: dict[str, int]
+
+
 class Closed(Settings):
     """The session was closed in good order."""
 
@@ -284,6 +291,7 @@ Event = (
     | Alarmed
     | Acknowledged
     | Cleared
+    | Refused
     | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

@@ -44,6 +44,7 @@ from fatigue_planner.live.events import (
     Noted,
     Observed,
     Opened,
+    Refused,
     Rested,
     Resumed,
     SearchFailed,
@@ -365,6 +366,11 @@ class Session:
             entries = tuple(one.entry for one in self._watch.alarms.now() if not one.acknowledged)
             if entries:
                 self._tell(Acknowledged(entries=entries))
+
+    def refused(self, counts: Mapping[str, int]) -> None:
+        """Write into the journal that requests were refused, so many by their HTTP status."""
+        with self._lock:
+            self._tell(Refused(counts=dict(counts)))
 
     def note(self, text: str) -> None:
         """Write a remark into the journal."""

@@ -4,6 +4,8 @@ import asyncio
 import hashlib
 import hmac
 import secrets
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +15,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 MAX_BODY_BYTES = 65_536
 # A client sends its body in one go; one that does not is not waited for.
 BODY_WAIT_S = 5.0
+# More refusals than these are answered late.
+MAX_REFUSALS_PER_S, REFUSAL_WAIT_S = 50, 1.0
 OPEN_PATHS = frozenset({"/", "/healthz", "/openapi.json"})
 HEADERS = {
     "cache-control": "no-store",
@@ -51,11 +55,14 @@ def _digest(token: str) -> bytes:
 class Guard:
     """Lets through what may pass: ASGI middleware. `hosts`: what the Host header may say, such as 127.0.0.1:8765.
 
-    The scope of what it hands on says what the token permits, as `right`.
+    The scope of what it hands on says what the token permits, as `right`. Every refusal's status is told to `refused`.
     """
 
-    def __init__(self, app: ASGIApp, tokens: Tokens, hosts: frozenset[str]) -> None:
-        self._app, self._tokens, self._hosts = app, tokens, hosts
+    def __init__(
+        self, app: ASGIApp, tokens: Tokens, hosts: frozenset[str], refused: Callable[[int], None] = lambda _: None
+    ) -> None:
+        self._app, self._tokens, self._hosts, self._refused = app, tokens, hosts, refused
+        self._second = self._in_second = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what may not pass, hand on the rest."""
@@ -72,9 +79,19 @@ class Guard:
                 refusal = 413, f"the body is larger than {MAX_BODY_BYTES} bytes"
         if refusal is not None:
             code, text = refusal
+            self._refused(code)
+            await self._slow_down()
             await JSONResponse({"error": text}, code, {**HEADERS, "connection": "close"})(scope, receive, send)
             return
         await self._app(scope, _replayed(body, receive) if scope["method"] == "POST" else receive, send)
+
+    async def _slow_down(self) -> None:
+        """Keep who is refused often waiting."""
+        second = int(time.monotonic())
+        self._in_second = self._in_second + 1 if second == self._second else 1
+        self._second = second
+        if self._in_second > MAX_REFUSALS_PER_S:
+            await asyncio.sleep(REFUSAL_WAIT_S)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
         """Why a request may not pass."""

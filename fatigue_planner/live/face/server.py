@@ -116,8 +116,9 @@ def serve(
     with suppress(OSError, ValueError):
         _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    face = Face(session, rehearsal)
     config = uvicorn.Config(
-        Face(session, rehearsal).application(tokens, hosts),
+        face.application(tokens, hosts),
         http=LimitedProtocol,
         ws="none",
         lifespan="off",
@@ -130,4 +131,7 @@ def serve(
         ssl_certfile=None if shown is None else shown.chain,
         ssl_keyfile=None if shown is None else shown.key,
     )
-    uvicorn.Server(config).run(sockets=[listening])
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        face.tell_refusals()

@@ -3,6 +3,8 @@
 import http.client
 import json
 import socket
+import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,7 @@ from planting import fails_with
 from servers import Server
 from shifts import World
 
-from fatigue_planner.live.events import Contradicted, Observed
+from fatigue_planner.live.events import Contradicted, Observed, Refused
 
 pytestmark = pytest.mark.slow
 SESSION = "fatigue_planner.live.session:Session"
@@ -131,7 +133,6 @@ def established(server: Server) -> int:
 def test_20_who_may_not(world: World) -> None:
     with world.serving() as server:
         decision = working(server, 1)
-        before = server.call("/v1/state")[1]["recorded"]
         body = {"cycle": decision["cycle"], "observation": "arm"}
         rng = np.random.default_rng(1)
         for code, options in (
@@ -139,5 +140,12 @@ def test_20_who_may_not(world: World) -> None:
             (421, {"Host": "evil.example"}), (403, {"Origin": "http://evil.example"}),
         ):  # fmt: skip
             assert server.call("/v1/observe", body, **options)[0] == code
-        assert server.call("/v1/state")[1]["recorded"] == before
+        assert server.call("/v1/state")[1]["cycle"] == decision["cycle"]
+        end = time.monotonic() + 20
+        while server.call("/v1/state")[1]["counts"]["refused"] < 5:  # told once a second at most
+            assert time.monotonic() < end
+            time.sleep(0.1)
         assert server.call("/v1/observe", body)[0] == 200
+    told = world.events(Refused)
+    assert 2 <= len(told) <= 4
+    assert sum((Counter(one.counts) for one in told), Counter()) == {"401": 2, "403": 2, "421": 1}
