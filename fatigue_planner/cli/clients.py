@@ -13,6 +13,7 @@ import typer
 from fatigue_planner.cli import options
 from fatigue_planner.cli.live import need_server, policy_of, task_of
 from fatigue_planner.cli.progress import progress, talk
+from fatigue_planner.cli.shift_report import write_report
 from fatigue_planner.core.errors import ExitCode, MissingExtraError, OutputFolderError, SelectionError, listed
 
 if TYPE_CHECKING:
@@ -53,13 +54,15 @@ def rehearse(
 ) -> None:
     """Rehearse a shift of an EXPERIMENT: a real server, a simulated worker and robot, simulated time, and faults.
 
-    The table says how often each fault came and what the server did. Exit code 3: it did not do what is right.
+    The table says how often each fault came and what the server did. Exit code 3: it did not do what is right. The
+    shift's report is written beside the journal.
     """
     need_server()
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.rehearsal.registry import FAULTS
     from fatigue_planner.live.rehearsal.rehearse import rehearse
     from fatigue_planner.live.rules import DEFAULT_POLICY
+    from fatigue_planner.output.reports.page import REPORT_FILE
     from fatigue_planner.planners.registry import policy as policy_settings
 
     rates = {name: fault.rate for name, fault in FAULTS.items()} if faults is None else _rates(faults, FAULTS)
@@ -77,8 +80,9 @@ def rehearse(
             started=lambda page: talk().print(f"The operators' page: {page}", markup=False),
             advance=lambda number: done.advance(number, number),
         )  # fmt: skip
-    document = {"journal": journal, "right": came.is_right, **asdict(came)}
-    options.present(document, _table(came, journal), as_json)
+    report, _ = write_report(journal, experiment=experiment, cache=cache)
+    document = {"journal": journal, "right": came.is_right, "report": report, **asdict(came)}
+    options.present(document, f"{_table(came, journal)}\nThe shift's report: {report / REPORT_FILE}", as_json)
     if not came.is_right:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 

@@ -1,7 +1,7 @@
 """`fatplan live report` and `card`: what is read about a shift when it is over, and before it is introduced."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -32,12 +32,25 @@ def report(
 
     The folder's files are readable by you alone. A pseudonym is in none of them.
     """
+    from fatigue_planner.output.reports.page import REPORT_FILE
+
+    output, document = write_report(journal, worker, output, experiment, cache)
+    options.present(document, f"{output / REPORT_FILE} and its data.", as_json)
+
+
+def write_report(
+    journal: Path,
+    worker: str | None = None,
+    output: Path | None = None,
+    experiment: Path | None = None,
+    cache: Path | None = None,
+) -> tuple[Path, dict[str, Any]]:
+    """Write the report of a shift; its folder and what its data file holds. Raises SelectionError."""
     from fatigue_planner.core.files import find_shipped, publish_text, writable_folder
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.journal_file import pseudonyms, read_journal
     from fatigue_planner.live.record import record_of
     from fatigue_planner.output.figures.style import FigureFolder
-    from fatigue_planner.output.reports.page import REPORT_FILE
     from fatigue_planner.output.reports.shift.data import ShiftData
     from fatigue_planner.output.reports.shift.page import DATA_FILE, shift_report
 
@@ -68,7 +81,7 @@ def report(
     publish_text(output / DATA_FILE, options.json_text(document) + "\n")
     for file in (*figures.files, output / DATA_FILE):
         file.chmod(0o600)
-    options.present(document, f"{output / REPORT_FILE} and its data.", as_json)
+    return output, document
 
 
 def _named(journal: Path, experiment: str) -> Path | None:

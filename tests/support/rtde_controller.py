@@ -216,7 +216,7 @@ def main(host: str) -> None:
                 controller.freeze(word == "freeze")
             case ["set", name, value]:
                 controller.registers[name] = int(value)
-            case [name]:
+            case [name] if name in PROGRAMS:
                 controller.program = PROGRAMS[name]
         print(json.dumps({**controller.registers, "clients": controller.clients}), flush=True)
 

@@ -1,6 +1,7 @@
 """What stands between the face and a device: an extension point with a kind per device."""
 
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
@@ -43,14 +44,16 @@ class Client(ABC):
         Raises SelectionError if it is a rehearsal, or has actions that the client does not know.
         """
         self._watch.start()
-        number, checked = 0, False
+        number, checked, answered_s = 0, False, time.monotonic()
         try:
             while not stop.is_set():
                 number, state = self._watch.newest(number, LOOK_EVERY_S)
                 if state is None:
                     checked = False  # another may come in its place
-                    self.say("the face does not answer")
+                    if time.monotonic() - answered_s > PATIENCE_S:
+                        self.say("the face does not answer")
                     continue
+                answered_s = time.monotonic()
                 if not checked:
                     if state.get("rehearsal"):
                         raise SelectionError("the shift is a rehearsal; no device takes part in it.")

@@ -21,6 +21,8 @@ CORRECTION_WAIT_S = 2.0
 # A stamp may be ahead of this machine's clock by so much, as far as clocks can be corrected.
 AHEAD_S = 1.0
 OPEN_WAIT_S = 2.0
+# A stream that has ended is found for so long.
+FORGET_S = 2.0
 
 
 class LslClient(Client):
@@ -35,7 +37,7 @@ class LslClient(Client):
     ) -> None:
         super().__init__(address, say)
         self._name, self._early_s = name, early_s
-        self._resolver = pylsl.ContinuousResolver("name", name)
+        self._resolver = pylsl.ContinuousResolver("name", name, forget_after=FORGET_S)
         info = pylsl.StreamInfo(out, "Markers", 1, pylsl.IRREGULAR_RATE, pylsl.cf_string, f"fatplan {out}")
         self._outlet = pylsl.StreamOutlet(info)
         self._inlet: Any = None
@@ -62,7 +64,7 @@ class LslClient(Client):
             try:
                 correction_s = self._inlet.time_correction(CORRECTION_WAIT_S)
                 values, stamp_s = self._inlet.pull_sample(0.0)
-            except (pylsl.LostError, TimeoutError, RuntimeError):
+            except RuntimeError:  # that of all errors of pylsl
                 self._inlet = None
                 self.say(f"the stream {self._name} has ended")
                 return
@@ -93,7 +95,7 @@ class LslClient(Client):
                     f"a number per reaction: {listed(self._reactions)}."
                 )
             inlet.open_stream(OPEN_WAIT_S)
-        except (pylsl.LostError, TimeoutError, RuntimeError):
+        except RuntimeError:  # that of all errors of pylsl
             return
         self._labels = () if is_text else labels
         self._inlet = inlet
