@@ -91,6 +91,9 @@ def serve(
     accept: Annotated[
         bool, typer.Option("--accept", help="Begin a new segment where the journal's shift had another situation.")
     ] = False,
+    realtime: Annotated[
+        bool, typer.Option("--realtime", help="Real-time priority for answers, where the system permits it.")
+    ] = False,
     rehearsal: Annotated[
         bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
     ] = False,
@@ -108,6 +111,7 @@ def serve(
     from fatigue_planner.live.face.server import bound, check_host, names_of, serve, write_token
     from fatigue_planner.live.face.tls import certificate
     from fatigue_planner.live.journal_file import last_seconds
+    from fatigue_planner.live.realtime import answer_first
     from fatigue_planner.live.session import Session
 
     if (tls_cert is None) != (tls_key is None):
@@ -148,6 +152,8 @@ def serve(
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
+            if realtime and (refused := answer_first()):
+                warn([f"--realtime: {refused}."])
             serve(session, listening, tokens, frozenset(names), shown, clock)
 
 

@@ -19,12 +19,12 @@ from shifts import World
 LIVES_PER_JOURNAL = 50
 LONGEST_S = 60.0
 PROGRAM = """
-import json, os, pickle, sys
+import json, os, pickle, sys, traceback
 from pathlib import Path
 import fatigue_planner as fp
 
 def live(path, scenario):
-    session = fp.Session.open(path, scenario)
+    session = fp.Session.open(path, scenario, deadline_s=10)
     say = lambda *words: os.write(1, (json.dumps(words) + "\\n").encode())
     say("journal", session._journal._process.pid)
     while True:
@@ -36,7 +36,7 @@ def live(path, scenario):
             say("durable", decision.cycle, session.digest())
 
 scenario = pickle.load(open(sys.argv[1], "rb"))
-with fp.Session.open(sys.argv[2], scenario) as session:
+with fp.Session.open(sys.argv[2], scenario, deadline_s=10) as session:
     session.decide()
 for line in sys.stdin:
     child = os.fork()
@@ -44,6 +44,7 @@ for line in sys.stdin:
         try:
             live(line.rstrip("\\n"), scenario)
         finally:
+            traceback.print_exc()
             os._exit(1)
     os.write(1, (json.dumps(["born", child]) + "\\n").encode())
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
@@ -112,7 +113,9 @@ def _life(
             ready, _, _ = select.select([helper.stdout], [], [], left)
             if not ready:
                 return
-            *lines, rest = (rest + os.read(helper.stdout.fileno(), 1 << 16)).split(b"\n")
+            part = os.read(helper.stdout.fileno(), 1 << 16)
+            assert part, "the program that is forked has ended"
+            *lines, rest = (rest + part).split(b"\n")
             said.extend(json.loads(line) for line in lines)
             if any(words[0] in kinds for words in said):
                 return

@@ -43,7 +43,7 @@ def test_06_said_otherwise(world: World) -> None:
     with world.serving() as server:
         decision = working(server, 2)
         code, answer = server.call("/v1/observe", {"cycle": 2, "observation": "back"})
-        assert (code, answer["expected_cycle"]) == (409, 3)
+        assert (code, answer.get("expected_cycle")) == (409, 3)
         state = server.call("/v1/state")[1]
         assert (state["action"], state["counts"]["contradicted"]) == (decision["action"], 1)
     assert [one.observation for one in world.events(Observed)] == ["arm", "arm"]
@@ -57,7 +57,7 @@ def test_08_said_of_another_cycle(world: World) -> None:
         before = server.call("/v1/state")[1]
         for cycle in (66, 11):
             code, answer = server.call("/v1/observe", {"cycle": cycle, "observation": "arm", "executed": "low"})
-            assert (code, answer["expected_cycle"]) == (422, 61)
+            assert (code, answer.get("expected_cycle")) == (422, 61)
             assert "the cycle going on is 61" in answer["error"]
         after = server.call("/v1/state")[1]
         assert (after["recorded"], after["joints"]) == (before["recorded"], before["joints"])
@@ -103,6 +103,7 @@ def test_19_clients_vanish_never_read_and_drip(world: World) -> None:
                 one.sendall(watch.encode() if number < 20 else b"POST /v1/decide HTTP/1.1\r\nHo")
             except OSError:
                 pass
+        assert established(server) <= 401
         for cycle in range(1, 400):
             if cycle == 200:
                 memory = resident(server)
@@ -110,7 +111,6 @@ def test_19_clients_vanish_never_read_and_drip(world: World) -> None:
             answer = good.getresponse()
             assert (answer.status, json.loads(answer.read())["cycle"]) == (200, cycle + 1)
         assert resident(server) - memory < 10_000
-        assert established(server) <= 401
         for one in bad:
             one.close()
         good.close()

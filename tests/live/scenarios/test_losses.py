@@ -38,7 +38,7 @@ def test_14_it_is_killed_at_any_moment(world: World) -> None:
 
 
 @pytest.mark.slow
-@fails_with("fatigue_planner.live.journal_file:_intact", "events.append(", "len(events) < 3 and events.append(")
+@fails_with(f"{SESSION}._now", "max(ago_s, 0.0)", "0.0")
 def test_15_the_power_fails(world: World) -> None:
     """Whatever is left of the log, a prefix of the shift is; the time since then was rest, by the time of day."""
     copy = world.folder / "cut"
@@ -85,7 +85,7 @@ def test_16_a_byte_flips_in_the_middle(world: World) -> None:
             session.decide()
             digests.append(session.digest())
     with closing(sqlite3.connect(world.path, isolation_level=None)) as connection:
-        connection.execute("""UPDATE event SET body = replace(body, '"arm"', '"brm"') WHERE body LIKE '%"cycle":4%'""")
+        connection.execute("""UPDATE event SET body = replace(body, '"arm"', '"back"') WHERE body LIKE '%"cycle":4%'""")
     with pytest.raises(DamagedJournalError, match="up to cycle 3") as refusal:
         world.open()
     assert refusal.value.exit_code == 4
@@ -131,7 +131,7 @@ def test_17_the_disk_is_full(world: World) -> None:
 
 
 @pytest.mark.slow
-@fails_with("fatigue_planner.live.journal_file:lock", "fcntl.LOCK_EX |", "fcntl.LOCK_SH |")
+@fails_with("fatigue_planner.live.journal_file:lock", "os.getpid()", "os.getppid()")
 def test_18_it_is_started_twice(world: World) -> None:
     """The second ends with exit code 2 and names the first; a lock of a program that was killed is none."""
     with world.serving() as server:
