@@ -97,8 +97,8 @@ def _text(found: "StationAssessment") -> list[str]:
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += capped(found.headline)
     lines += capped([*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing)])
-    if found.changes:
-        lines += ["", "What one change would do:", *capped(list(of_changes(found.changes)))]
+    changes = [*capped(list(of_changes(found.changes, found.best)))]
+    lines += ["", "What one change would do:", *changes] if found.changes else changes
     lines += ["", "Of the population:", *capped(list(of_population(found.shares)))]
     return [*lines, "", "What this rests on:", *capped(found.assumptions)]
 
