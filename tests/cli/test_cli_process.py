@@ -28,8 +28,10 @@ COLOUR = re.compile(r"\x1b\[[0-9;]*(?:3[0-8]|4[0-8]|9[0-7]|10[0-7])[0-9;]*m")
 def test_every_commands_help_names_the_exit_codes() -> None:
     root = typer.main.get_command(app)
     commands: list[tuple[str, ...]] = [(), *((name,) for name, command in root.commands.items() if not command.hidden)]
-    commands += [(group, name) for group in ("human", "cache", "live") for name in root.commands[group].commands]
-    assert len(commands) == 1 + 16 + 3 + 6 + 4
+    commands += [
+        (group, name) for group in ("human", "cache", "live", "record") for name in root.commands[group].commands
+    ]
+    assert len(commands) == 1 + 17 + 3 + 6 + 4 + 1
     for words in commands:
         done = fatplan(*words, "--help")
         assert done.returncode == 0 and "Exit codes: 0 done; 1 internal error;" in " ".join(done.stdout.split()), words
