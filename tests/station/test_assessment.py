@@ -204,7 +204,7 @@ def test_the_schedule_of_a_station_is_that_of_its_page(folder: Path) -> None:
         "ways": ["arm"],
         "cycle": {"duration_s": 90},
     }
-    (folder / "bench.yaml").write_text(yaml.safe_dump(said))
+    (folder / "bench.yaml").write_text(yaml.safe_dump(said, sort_keys=False))
     station_of_page = load_station(folder / "bench.yaml")
     found = examine([station_of_page], store(folder), LocalProcesses(2), "fatplan assess", lambda _: None)[0]
     rotation = best_rotation(found, store(folder), "fatplan assess")
