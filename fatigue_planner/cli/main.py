@@ -37,6 +37,7 @@ COMMANDS = (
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
+live.app.command(epilog=options.EXIT_CODES)(shift_report.card)
 for group in (human.app, cache.app, live.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 
