@@ -19,7 +19,7 @@ RATES = {
 }
 BLANK = "……………………………………"
 LAWS = (
-    "GDPR, Art. 4, 5, 6, 9 (health data), 15 to 17, 35 (impact assessment), 88; EU AI Act, Art. 5, 12, 14, 26(7) and "
+    "GDPR, Art. 4, 5, 6, 9, 15 to 17, 35, 88; EU AI Act, Art. 5, 12, 14, 26(7) and "
     "Annex III 4(b); ISO 10218-1 and -2:2025; Machinery Regulation (EU) 2023/1230; in Germany BetrVG 87(1) 6. Whether "
     "and how they apply is for the employer and the works council to find out; this is no legal advice."
 )
@@ -39,7 +39,7 @@ def card(told: Told) -> str:
     """The page (HTML)."""
     experiment = told.experiment
     subtitle = (
-        f"For the works council and for those who work with {experiment.name}"
+        f"For the works council and for those who work in the task {experiment.name}"
         f"{f', {format_label(told.condition)}' if told.condition else ''}. Written by fatplan {versions()['fatplan']}."
     )
     actions, reactions = (listing(list(names)) for names in (experiment.actions, experiment.preferences))
@@ -54,8 +54,7 @@ def card(told: Told) -> str:
         [
             Section("What is processed, how long, and who sees it", [_data(told, reactions)]),
             Section("What a worker can do", [Points(_rights())]),
-            Section("What it is not", [Points(_is_not())]),
-            Section("Laws to look at", [Text(LAWS)]),
+            Section("What it is not, and laws to look at", [Points(_is_not()), Text(LAWS)]),
             Section("To be filled in by the employer", [_blanks(told)]),
         ],
     )
@@ -111,8 +110,7 @@ def _is_not() -> list[str]:
     return [
         "No safety function: it moves nothing and clears no stop. The robot's program has its own timer and default.",
         "No medical finding, and no measure of a day's load: the model forgets within minutes.",
-        "No comparison, ranking or appraisal of workers, and nothing about their mood. No standard gives a limit for "
-        "this fatigue.",
+        "No comparison, ranking or appraisal of workers, and nothing about their mood.",
     ]
 
 
@@ -120,7 +118,7 @@ def _blanks(told: Told) -> Table:
     kept = BLANK if told.keep_days is None else counted(told.keep_days, "day")
     rows = [
         ["Responsible, and whom to ask", BLANK],
-        ["Agreed purpose, and legal basis", BLANK],
+        ["Agreed purpose", BLANK],
         ["Journals are removed after", kept],
         ["Who holds the tokens to look and to act", BLANK],
         ["Date, employer, works council", BLANK],

@@ -77,7 +77,7 @@ def sight_section(cycles: pd.DataFrame) -> Section:
     return Section(
         "What was seen",
         [
-            Table("Cycles by what was known of them.", ["", "cycles", "share"], rows, "cycles.csv"),
+            Table("Cycles by what was known of them.", ["what was known", "cycles", "share"], rows, "cycles.csv"),
             *([Points(points)] if points else []),
         ],
     )

@@ -33,7 +33,7 @@ def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Secti
                 f"{value:.2f}" for value in (*np.quantile(times_ms, [0.99, 0.999]), times_ms.max())) + " ms"],
         ]  # fmt: skip
         caption = "Answers to the robot. Where the belief about a worker was off, the schedule is no fallback."
-        blocks.append(Table(caption, ["", "share or time"], rows))
+        blocks.append(Table(caption, ["answers", "share or time"], rows))
         if reasons := _reasons(decided, off):
             blocks.append(Points([f"A fallback decided because: {listing(reasons)}."]))
     else:
