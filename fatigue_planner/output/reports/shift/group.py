@@ -140,8 +140,8 @@ def _loads(data: ShiftData, times: Times, found: Sequence[Window], figures: Figu
     who = "the simulated workers" if data.is_rehearsal else f"{FEWEST} or more workers, who all count the same"
     blocks: list[Block] = [
         Text(
-            "The model's fatigue is that of single muscles over minutes. A load dose adds up how hard a muscle group had "
-            "to work while that was hard enough to tire it. Hours in which too few worked are joined with others. "
+            "The model's fatigue is that of single muscles over minutes. A load dose adds up how hard a muscle group "
+            "had to work while that was hard enough to tire it. Hours in which too few worked are joined with others. "
             "Nobody is compared with anybody."
         )
     ]
