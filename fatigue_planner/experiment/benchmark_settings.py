@@ -7,10 +7,13 @@ from pydantic import Field
 
 from fatigue_planner.core.settings import Name, Seed, Settings
 from fatigue_planner.planners.baselines import AlternatingSettings, GreedySettings, RandomSettings
+from fatigue_planner.planners.fixed import FixedSettings
 from fatigue_planner.planners.lookahead import ReferenceSettings
+from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.planners.registry import AnyPolicy
+from fatigue_planner.planners.threshold import ThresholdSettings
 
 RESTED = "rested"
 
@@ -76,6 +79,23 @@ def paper_policies() -> dict[str, PolicySettings]:
     }
 
 
+def usual_policies(discount: float) -> dict[str, PolicySettings]:
+    """The paper's seven, and what is done without planning: a fixed action, a reactive rule, the best schedule.
+
+    So every report can say what planning is worth. The best schedule is that of a task without end, which has a value
+    only with a discount below 1.
+    """
+    endless: dict[str, PolicySettings] = {
+        "best_fixed": PeriodicSettings(kind="periodic", longest=1), "periodic": PeriodicSettings(kind="periodic")
+    }  # fmt: skip
+    reactive = {
+        f"threshold_{level}": ThresholdSettings(kind="threshold", fatigue_threshold=level) for level in (0.1, 0.2)
+    }
+    return {
+        **paper_policies(), "fixed": FixedSettings(kind="fixed"), **reactive, **(endless if discount < 1 else {})
+    }  # fmt: skip
+
+
 class Benchmark(Settings):
     """The grid of runs (paper, section IV-E)."""
 
@@ -89,7 +109,8 @@ class Benchmark(Settings):
         default_factory=paper_policies,
         min_length=1,
         max_length=1000,
-        description="Policies by name. Default: the paper's seven (section IV-D).",
+        description="Policies by name. Default: the paper's seven (section IV-D), and what is done without planning: "
+        "a fixed action, thresholds of fatigue, and, with a discount below 1, the best action and the best schedule.",
     )
     n_cycles: tuple[Annotated[int, Field(ge=1, le=100_000)], ...] = Field(
         default=(5, 20, 100),

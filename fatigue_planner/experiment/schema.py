@@ -17,6 +17,7 @@ from fatigue_planner.experiment.benchmark_settings import (
     InitialState,
     Level,
     usual_conditions,
+    usual_policies,
 )
 from fatigue_planner.experiment.cost_settings import CostSettings
 from fatigue_planner.experiment.defaults import usual_beliefs, usual_figures, usual_preferences, usual_workers
@@ -144,14 +145,18 @@ class Experiment(Settings):
 
     @field_validator("benchmark", mode="before")
     @classmethod
-    def _name_conditions(cls, benchmark: Any, info: ValidationInfo) -> Any:
-        """The conditions that are left out: they follow from the names of workers and initial beliefs."""
+    def _fill_in(cls, benchmark: Any, info: ValidationInfo) -> Any:
+        """What is left out and follows from the rest: conditions from the names of workers and beliefs, policies."""
         if isinstance(benchmark, Benchmark):
             benchmark = {key: getattr(benchmark, key) for key in benchmark.model_fields_set}
-        if not isinstance(benchmark, dict) or "conditions" in benchmark:
+        if not isinstance(benchmark, dict):
             return benchmark
         workers, beliefs = info.data.get("workers", {}), info.data.get("initial_beliefs", {})
-        return {"conditions": usual_conditions(workers or ("",), beliefs or (RESTED,)), **benchmark}
+        usual = {
+            "conditions": usual_conditions(workers or ("",), beliefs or (RESTED,)),
+            "policies": usual_policies(info.data.get("discount", 1.0)),
+        }
+        return usual | benchmark
 
     @model_validator(mode="after")
     def _check_across(self) -> Self:

@@ -17,6 +17,7 @@ from fatigue_planner.human.anthropometry import Anthropometry, HumanKind
 from fatigue_planner.human.stance import stance_deg
 from fatigue_planner.station.schema import Station
 from fatigue_planner.study.benchmark.selection import Selection, selected
+from fatigue_planner.study.benchmark.worth import Role, roles_of
 from fatigue_planner.study.claims.schema import ClaimsFile
 from fatigue_planner.study.sensitivity.settings import StudySettings
 
@@ -69,7 +70,11 @@ def test_only_the_task_is_needed_and_the_rest_is_the_papers(paper: Experiment) -
     same = ("workers", "cycle", "preferences", "controller", "accuracy", "fatigue", "discount")
     assert [key for key in same if getattr(mine, key) != getattr(paper, key)] == []
     seven = {name: paper.benchmark.policies[name] for name in paper.statistics.policies or ()}
-    assert mine.benchmark.policies == seven
+    unplanned = ("fixed", "threshold_0.1", "threshold_0.2", "best_fixed", "periodic")
+    assert mine.benchmark.policies == seven | {name: paper.benchmark.policies[name] for name in unplanned}
+    assert not {Role.FIXED, Role.REACTIVE, Role.SCHEDULE, Role.GREEDY, Role.PLANNING} - roles_of(mine).keys()
+    endless = smallest(discount=1).benchmark.policies  # the best schedule would have no value
+    assert [name for name in mine.benchmark.policies if name not in endless] == ["best_fixed", "periodic"]
     same = ("n_cycles", "trials", "seed", "reference")
     assert [key for key in same if getattr(mine.benchmark, key) != getattr(paper.benchmark, key)] == []
     own = {"families": paper.statistics.families, "policies": paper.statistics.policies}
