@@ -18,15 +18,32 @@ from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.planners.policy import PolicySettings
     from fatigue_planner.pomdp.scenario import Scenario
 
 app = typer.Typer(
     name="live",
-    help="A shift beside a robot: serve it, and report, export, recover and clear its journal.",
+    help="A shift beside a robot: serve it, rehearse it, and report, export, recover and clear its journal.",
     no_args_is_help=True,
 )
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+
+
+def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySettings | None":
+    """The policy that an option names, if it names one. Raises SelectionError."""
+    known = loaded.benchmark.policies
+    if name is None:
+        return None
+    if name not in known:
+        raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    return known[name]
+
+
+def need_server() -> None:
+    """Raise MissingExtraError if there is nothing to serve the face with."""
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtraError("fatplan live needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -74,8 +91,7 @@ def serve(
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
+    need_server()
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
@@ -84,16 +100,12 @@ def serve(
     from fatigue_planner.live.session import Session
 
     loaded = load_experiment(experiment)
-    known = loaded.benchmark.policies
-    for option, name in (("policy", policy), ("search", search)):
-        if name is not None and name not in known:
-            raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    settings, searching = policy_of(loaded, "policy", policy), policy_of(loaded, "search", search)
     task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
         removed = [] if keep_days is None else expired(journal.parent, keep_days, journal)
         talk().print("Compiling and running everything once ...")
         began = time.perf_counter()
-        settings, searching = (None if name is None else known[name] for name in (policy, search))
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
         with Session.open(
             journal,

@@ -279,9 +279,18 @@ class Session:
                 self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
-    def skip(self, duration_s: float | None = None) -> CycleDecision:
-        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision."""
+    def skip(self, duration_s: float | None = None, cycle: int | None = None) -> CycleDecision:
+        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision.
+
+        cycle: with it, what is said again changes nothing. Raises CycleError if it is another than the one going on and
+        was not skipped.
+        """
         with self._turn() as began:
+            if cycle is not None and cycle != self._shift.cycle:
+                said.check_cycle(cycle, self._shift)
+                if not isinstance(self._shift.recent(cycle), Skipped):
+                    raise CycleError(f"cycle {cycle}: was observed, and cannot be skipped any more.")
+                return self._decided(began)
             passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
             seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
             self._end(Skipped(cycle=self._shift.cycle, duration_s=seconds))

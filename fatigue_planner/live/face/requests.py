@@ -48,6 +48,7 @@ class Skip(Request):
     """The worker did nothing in this cycle."""
 
     duration_s: float | None = Field(default=None, description="For how long, in s. Default: since the last cycle.")
+    cycle: int | None = Field(default=None, description="Number of the cycle; with it, what is said again is known.")
 
 
 class Rest(Request):
