@@ -49,9 +49,8 @@ def remove_old(journals: list[OldJournal]) -> Iterator[tuple[OldJournal, str]]:
     for one in journals:
         try:
             with lock(one.path):
-                for file in one.files:
-                    file.unlink(missing_ok=True)
-                one.path.with_name(f"{one.path.name}.lock").unlink(missing_ok=True)
+                for ending in ("", *BESIDE):
+                    one.path.with_name(one.path.name + ending).unlink(missing_ok=True)
         except (JournalInUseError, OSError) as error:
             yield one, str(error)
         else:
@@ -70,7 +69,9 @@ def is_journal(path: Path) -> bool:
 def _last_event(path: Path) -> datetime:
     """When the last event of a journal was; where that cannot be read, when the file was changed last."""
     try:
-        with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?mode=ro", uri=True)) as connection:
+        # a reader leaves files behind, unless nothing is in them that it has to read
+        how = "mode=ro" if path.with_name(f"{path.name}-wal").exists() else "immutable=1"
+        with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?{how}", uri=True)) as connection:
             row = connection.execute("SELECT utc FROM event ORDER BY number DESC LIMIT 1").fetchone()
         if row is not None:
             return datetime.fromisoformat(row[0])

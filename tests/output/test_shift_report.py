@@ -326,3 +326,29 @@ def test_doses_of_a_cycle_that_was_not_seen_are_expected_ones(scenario: fp.Scena
     own = loads[:, ENTRIES.index(entry)]
     assert table.loc[entry, "dose_s"] == pytest.approx(chances @ own)
     assert table.loc[entry, "deviation_s"] == pytest.approx(np.sqrt(chances @ (own - chances @ own) ** 2))
+
+
+def test_the_card_is_one_page_that_says_what_is_processed(scenario: fp.Scenario, tmp_path: Path) -> None:
+    done = fatplan("live", "card", "paper", "--keep-days", 90, "--output", tmp_path / "card.html")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "card.html").read_text()
+    text = " ".join(re.sub(r"<style>.*?</style>|<[^>]+>", " ", page, flags=re.S).split())
+    assert len(text) < 4000  # what goes on a page
+    for words in ("high and low", "arm and back", "90 days", "advise", "No safety function", "no legal advice"):
+        assert words in text, words
+    names = Names()
+    names.feed(page)
+    assert all(link.startswith(("#", "data:")) for link in names.links)
+    journal = write_journal(tmp_path / "one.fatplan", stored([(0.0, opening(scenario, experiment="paper"))]))
+    done = fatplan("live", "card", journal, "--output", tmp_path / "other.html")
+    assert done.returncode == 0, done.stderr
+    assert "multiple novice" in (tmp_path / "other.html").read_text()
+    assert "no limit is set" in (tmp_path / "other.html").read_text()
+    for wrong in (("nowhere",), ("paper", "--condition", "none"), ("paper", "--output", "card.pdf")):
+        assert fatplan("live", "card", *wrong, cwd=tmp_path).returncode == 2
+
+
+def test_a_card_names_what_is_learnt_of_a_hidden_worker(tmp_path: Path) -> None:
+    done = fatplan("live", "card", "hidden_worker", "--output", tmp_path / "card.html")
+    assert done.returncode == 0, done.stderr
+    assert "how fast he tires" in (tmp_path / "card.html").read_text()
