@@ -164,6 +164,7 @@ def test_no_pseudonym_is_in_any_file(six: Path, cache_folder: Path, tmp_path: Pa
     assert done.returncode == 2 and "nobody of this pseudonym worked" in done.stderr
 
 
+@pytest.mark.slow
 def test_means_over_five_or_more(six: Path, cache_folder: Path, scenario: fp.Scenario) -> None:
     """They are the means of what the workers' own reports say; one window, for each hour has fewer."""
     document, folder = report(six, cache_folder)
@@ -220,6 +221,7 @@ def as_if_on(event: Event) -> Event:
     return event.model_copy(update={"fallback": "none"}) if isinstance(event, Decided) else event
 
 
+@pytest.mark.slow
 def test_one_who_is_off_cannot_be_told_from_the_report_of_all(
     scenario: fp.Scenario, cache_folder: Path, tmp_path: Path
 ) -> None:
