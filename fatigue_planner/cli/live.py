@@ -4,6 +4,7 @@ import json
 import os
 import time
 from dataclasses import replace
+from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -12,7 +13,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import talk, warn
-from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
+from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError, listed
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
@@ -97,6 +98,12 @@ def serve(
     rehearsal: Annotated[
         bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
     ] = False,
+    keep_days: Annotated[
+        int | None,
+        typer.Option(
+            "--keep-days", min=1, help="First remove older journals from the journal's folder; they are named."
+        ),
+    ] = None,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
 ) -> None:
@@ -123,6 +130,7 @@ def serve(
     settings, searching = policy_of(loaded, "policy", policy), policy_of(loaded, "search", search)
     task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
+        removed = [] if keep_days is None else expired(journal.parent, keep_days, journal)
         talk().print("Compiling and running everything once ...")
         began = time.perf_counter()
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
@@ -145,6 +153,8 @@ def serve(
             address = f"{'http' if shown is None else 'https'}://{names[0]}"
             for right, token in (("view", view), ("act", act)):
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
+            for name in removed:
+                session.note(f"{name}: removed, older than {keep_days} days")
             typer.echo(f"{address}/#{view}")
             talk().print(
                 f"Ready after {time.perf_counter() - began:.1f} s. Cycle {session.cycle} of {journal}. "
@@ -183,6 +193,18 @@ def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: s
     warn(omissions(loaded, profiles))
     possible = without_infeasible(loaded, profiles)
     return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+
+
+def expired(folder: Path, keep_days: int, but: Path) -> list[str]:
+    """Remove the journals of a folder that are older, but for one, and say so; the names of those that are gone."""
+    from fatigue_planner.live.retention import remove_old, too_old
+
+    old = [one for one in too_old(folder, keep_days, datetime.now(UTC)) if one.path.name != but.name]
+    gone = []
+    for one, why in remove_old(old):
+        talk().print(f"{one.path}, last event {one.last:%Y-%m-%d}: {why or 'removed'}.", markup=False)
+        gone += [] if why else [one.path.name]
+    return gone
 
 
 def from_folder_of(journal: Path, path: Path) -> str:
@@ -252,3 +274,31 @@ def erase(
     if not erase(journal, pseudonym):
         raise SelectionError(f"{journal}: no worker has the pseudonym {pseudonym!r}.")
     options.present({"journal": journal, "erased": True}, f"{journal}: {pseudonym} is erased.", as_json)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def expire(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Where journals lie.")],
+    keep_days: Annotated[int, typer.Option("--keep-days", min=1, help="For how many days after its last event.")],
+    remove: Annotated[bool, typer.Option("--remove", help="Remove them; otherwise they are only listed.")] = False,
+    as_json: options.Json = False,
+) -> None:
+    """List the journals in a FOLDER that are older than they should become, or remove them and what lies beside them.
+
+    One that is being written stays. Reports in other folders are copies, which whoever has them removes.
+    """
+    from fatigue_planner.live.retention import remove_old, too_old
+
+    old = too_old(folder, keep_days, datetime.now(UTC))
+    outcomes = list(remove_old(old)) if remove else [(one, "") for one in old]
+    rows = [
+        {"journal": one.path, "last_event": one.last.isoformat(), "files": [file.name for file in one.files],
+         "removed": remove and not why, "why_not": why or None}
+        for one, why in outcomes
+    ]  # fmt: skip
+    what = {True: "removed", False: "would be removed with --remove"}[remove]
+    lines = [f"{one.path}, last event {one.last:%Y-%m-%d}: {why or what}." for one, why in outcomes]
+    nothing = f"{folder}: no journal is older than {counted(keep_days, 'day')}."
+    options.present({"journals": rows}, "\n".join(lines) or nothing, as_json)
+    if any(why for _, why in outcomes):
+        raise typer.Exit(ExitCode.FAILED_PARTS)
