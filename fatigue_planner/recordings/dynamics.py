@@ -20,6 +20,8 @@ Vector = NDArray[np.float64]
 CUTOFF_HZ, ORDER = 6.0, 2
 # A plate belongs to the foot in whose reach its centre of pressure is; it takes less for nothing.
 LEAST_N, REACH_M = 20.0, 0.25
+# Where nobody measured: the moment's lever in a sole, and how much higher a foot in the air is (assumed).
+LEVER_M, RAISED_M = 0.05, 0.03
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,11 @@ def ground_at(
 
 
 def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[GroundForce]) -> Torques:
-    """The torques that make the motion under what the plates do to the feet (at the motion's frames)."""
+    """The torques that make the motion under what the plates do to the feet (at the motion's frames).
+
+    Without plates the ground does to the soles what the motion needs, shared as by `_shared`; nothing is left then, and
+    the residuals are NaN, as nobody measured them. The joints above the pelvis do not depend on it.
+    """
     data = model.createData()
     soles = [model.frames[model.getFrameId(f"{side}_sole")] for side in SIDES]
     frames = len(motion.configuration)
@@ -107,8 +113,36 @@ def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[Ground
             foot[n, p] = side if away[side] < REACH_M else -1
             joint = soles[side].parentJoint
             outside[joint] += data.oMi[joint].actInv(pin.Force(plate.force_n[n], plate.moment_nm[n]))
-        found = pin.rnea(model, data, configuration, motion.velocity[n], motion.acceleration[n], outside)
+        state = (configuration, motion.velocity[n], motion.acceleration[n])
+        if not ground:
+            needed = data.oMi[1].act(pin.Force(pin.rnea(model, data, *state)[:BASE_DOF]))
+            at = np.array([data.oMf[model.getFrameId(f"{side}_sole")].translation for side in SIDES])
+            for sole, wrench in zip(soles, _shared(needed, at), strict=True):
+                outside[sole.parentJoint] += data.oMi[sole.parentJoint].actInv(wrench)
+        found = pin.rnea(model, data, *state, outside)
         torque[n] = found[BASE_DOF:]
         turn = data.oMi[1].rotation
         residual[n, :3], residual[n, 3:] = turn @ found[:3], turn @ found[3:6]
+    residual = residual if ground else np.full_like(residual, np.nan)
     return Torques(torque, residual[:, :3], residual[:, 3:], foot)
+
+
+def _shared(needed: pin.Force, soles_m: Vector) -> list[pin.Force]:
+    """A wrench about the world's origin, shared by the soles (2, 3) m: that of the smallest forces and moments.
+
+    Moments count as forces at a lever of `LEVER_M`; a sole higher than the other by `RAISED_M` carries nothing.
+    """
+    low = soles_m[:, 2] <= soles_m[:, 2].min() + RAISED_M
+    arms = np.zeros((6, 12))
+    weight = np.empty(12)
+    for side, place in enumerate(soles_m):
+        own = slice(6 * side, 6 * side + 6)
+        arms[:, own] = np.eye(6)
+        arms[3:, 6 * side : 6 * side + 3] = pin.skew(place)
+        weight[own] = np.repeat([1.0, LEVER_M**2], 3) * (1.0 if low[side] else 0.0)
+    spread = weight[:, None] * arms.T
+    found = spread @ np.linalg.solve(arms @ spread, needed.vector)
+    return [
+        pin.Force(found[6 * side :][:3], found[6 * side + 3 :][:3] + np.cross(place, found[6 * side :][:3]))
+        for side, place in enumerate(soles_m)
+    ]

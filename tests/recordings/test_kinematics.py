@@ -176,6 +176,26 @@ def test_simulated_reactions_come_back(
         assert np.sqrt((wrong**2).mean()) < rms_nm and wrong.max() < worst_nm
 
 
+def test_without_plates_the_soles_carry_what_the_motion_needs(reactions: tuple[Reaction, ...]) -> None:
+    """Against plates that show what the simulated ground did: all joints above the legs alike, the legs nearly."""
+    reaction = reactions[0]
+    request, rate = reaction.key.motion_request(), 1 / reaction.motion.time_step_s
+    worker = request.worker
+    model = Measured(worker.height_m, worker.mass_kg, worker.sex, worker.human).model(
+        right_hand_kg=request.tool.mass_kg
+    )
+    motion = dynamics.Movement(
+        rate, *(getattr(reaction.motion, n) for n in ("configuration", "velocity", "acceleration"))
+    )
+    found = dynamics.inverse_dynamics(model, motion, ())
+    want = reaction.motion.torque_nm + reaction.motion.tissue_nm
+    legs = np.array([any(leg in name for leg in ("hip", "knee", "ankle")) for name in DEGREES_OF_FREEDOM])
+    np.testing.assert_allclose(found.torque_nm[:, ~legs], want[:, ~legs], atol=1e-6)
+    assert np.isnan(found.residual_force_n).all()
+    both = [sum(table[:, DEGREES_OF_FREEDOM.index(f"{side}_knee_flexion")] for side in ("right", "left")) for table in (found.torque_nm, want)]  # fmt: skip  # noqa: E501
+    assert np.sqrt(((both[0] - both[1]) ** 2).mean()) < 0.1 * abs(both[1]).max()
+
+
 def of_a_real(name: str, static: str | None) -> tuple[Calibration, Track, Recording]:
     files = [real(f"squat_sit_plates/{name}.trc"), real(f"squat_sit_plates/{name}_grf.mot")]
     found = read_recording(*files)[1]
