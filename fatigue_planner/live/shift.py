@@ -12,6 +12,7 @@ from fatigue_planner.live.events import Advice, Fallback, Input, Observed, Reste
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import Counts, Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.fatigue_pomdp import recognition_of
 from fatigue_planner.pomdp.scenario import Scenario
 
 # An observation may come so many cycles late and still be taken.
@@ -141,7 +142,8 @@ class Shift:
         if event.likelihood is not None:
             return np.array([event.likelihood.get(name, 0.0) for name in model.outcomes])
         if event.observation is not None:
-            return np.asarray(model.arrays.observation[:, model.observations.index(event.observation)])
+            matrix = recognition_of(model.arrays, model.actions.index(event.executed))
+            return np.asarray(model.arrays.observation[matrix, :, model.observations.index(event.observation)])
         return np.ones(len(model.outcomes))
 
     @property
