@@ -37,7 +37,7 @@ def run(python: str, versions: str, options: list[str]) -> bool:
         pins = []
         if versions == "lowest":
             extras = PROJECT["optional-dependencies"]
-            named = [one for name in ("dask", "docs", "gymnasium", "live") for one in extras[name]]
+            named = [one for name in ("dask", "docs", "gymnasium", "live", "recordings") for one in extras[name]]
             pins = lowest([*PROJECT["dependencies"], *named])
         install = [inside, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         commands = [[*install, "--editable", f"{ROOT}[dev]", *pins], [inside, "-m", "pytest", "-q", *options]]

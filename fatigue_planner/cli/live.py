@@ -1,6 +1,7 @@
 """`fatplan live`: what to do with the journal of a shift."""
 
 import json
+import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -37,6 +38,19 @@ def serve(
     ] = None,
     host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    search: Annotated[
+        str | None,
+        typer.Option("--search", help="Policy of the experiment's benchmark that improves decisions, in time or not."),
+    ] = None,
+    unseen_limit: Annotated[
+        int, typer.Option("--unseen-limit", help="Cycles not seen, in a row, after which the schedule decides.")
+    ] = 20,
+    accept: Annotated[
+        bool, typer.Option("--accept", help="Begin a new segment where the journal's shift had another situation.")
+    ] = False,
+    rehearsal: Annotated[
+        bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
+    ] = False,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
 ) -> None:
@@ -49,14 +63,17 @@ def serve(
     from fatigue_planner.experiment.build import load_cycle_profiles, scenario
     from fatigue_planner.experiment.feasibility import omissions, without_infeasible
     from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
     from fatigue_planner.live.face.server import bound, serve, write_token
+    from fatigue_planner.live.journal_file import last_seconds
     from fatigue_planner.live.session import Session
 
     loaded = load_experiment(experiment)
     known = loaded.benchmark.policies
-    if policy is not None and policy not in known:
-        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
+    for option, name in (("policy", policy), ("search", search)):
+        if name is not None and name not in known:
+            raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
     conditions = loaded.benchmark.conditions
     chosen = next(iter(conditions)) if condition is None else condition
     if chosen not in conditions:
@@ -69,19 +86,32 @@ def serve(
     task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
-        settings = None if policy is None else known[policy]
-        with Session.open(journal, task, settings, deadline_s, safe_action) as session:
+        began = time.perf_counter()
+        settings, searching = (None if name is None else known[name] for name in (policy, search))
+        clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
+        with Session.open(
+            journal,
+            task,
+            settings,
+            deadline_s,
+            safe_action,
+            clock,
+            search=searching,
+            unseen_limit=unseen_limit,
+            accept=accept,
+        ) as session:
             tokens, view, act = Tokens.make()
             address = f"http://{host}:{listening.getsockname()[1]}"
             for right, token in (("view", view), ("act", act)):
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
             typer.echo(f"{address}/#{view}")
             talk().print(
-                f"Cycle {session.cycle} of {journal}. The line above is the page; the token to act is in "
+                f"Ready after {time.perf_counter() - began:.1f} s. Cycle {session.cycle} of {journal}. "
+                f"The line above is the page; the token to act is in "
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
-            serve(session, listening, tokens)
+            serve(session, listening, tokens, clock)
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -121,12 +151,16 @@ def export(
 def recover(
     journal: JournalFile,
     into: Annotated[Path, typer.Argument(metavar="NEW", help="The new journal.")],
+    from_cycle: Annotated[
+        int | None,
+        typer.Option("--from", metavar="CYCLE", help="Cycle to go on with. Default: the one after the last intact."),
+    ] = None,
     as_json: options.Json = False,
 ) -> None:
     """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
     from fatigue_planner.live.journal_file import recover
 
-    events = recover(journal, into)
+    events = recover(journal, into, from_cycle)
     options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)
 
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli import cache, human, live, options
+from fatigue_planner.cli import cache, human, live, options, record
 from fatigue_planner.cli.assess import assess
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
@@ -36,7 +36,7 @@ COMMANDS = (
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
-for group in (human.app, cache.app, live.app):
+for group in (human.app, cache.app, live.app, record.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 
 

@@ -152,6 +152,10 @@ class DamagedJournalError(FatplanError):
     exit_code = ExitCode.DAMAGED_STORE
 
 
+class RecordingError(FatplanError):
+    """A file is no recording that can be used, or contradicts itself."""
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

@@ -40,6 +40,14 @@ class CycleProfile(ABC):
     def tires(self) -> NDArray[np.bool_]:
         """Which entries the cycle tires at all, (78,)."""
 
+    @property
+    @abstractmethod
+    def load_s(self) -> Vector:
+        """The integral of the load over the ticks of the cycle in which it tires, in s, (78,).
+
+        Under the laws that ship: of tau_load / tau_max where that is above the threshold.
+        """
+
     @abstractmethod
     def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
         """Gains and offsets (..., 78) with all rates multiplied by factors (...)."""
@@ -101,6 +109,13 @@ class TickProfile(CycleProfile):
     def tires(self) -> NDArray[np.bool_]:
         """See CycleProfile.tires."""
         return np.isin(np.arange(self.fatigue_rate.size), self.entries)
+
+    @property
+    def load_s(self) -> Vector:
+        """See CycleProfile.load_s."""
+        load_s = np.zeros(self.fatigue_rate.size)
+        load_s[self.entries] = self.flows.tiring.sum(axis=0) * self.time_step_s
+        return load_s
 
     def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
         """See CycleProfile.maps: the gain is exp(-integral of F b + R c), the offset is summed tick by tick."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from fatigue_planner.core.errors import FatplanError, SelectionError
 from fatigue_planner.core.random_streams import Vector, random_stream
-from fatigue_planner.live.events import Advice, Fallback, Input, Observed, Rested, Skipped, WorkerChanged
+from fatigue_planner.live.events import UNCLEAR, Advice, Fallback, Input, Observed, Rested, Skipped, WorkerChanged
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import Counts, Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -23,11 +23,12 @@ MAX_CYCLES = 100_000
 
 @dataclass(frozen=True)
 class Choice:
-    """An action by its index, why, and what it fell back to (see events.Fallback)."""
+    """An action by its index, why, what it fell back to (see events.Fallback), and whether a search has found it."""
 
     action: int
     reason: str
     fallback: Fallback = "none"
+    searched: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class Shift:
     """Where a shift stands.
 
     cycle: the number of the cycle that comes or goes on, from 1; belief: before it; worker: whose it is, "" until one
-    was named; advised: whether the belief decides for this worker.
+    was named; advised: whether a belief is kept of this worker and decides. If not, belief is that in a newcomer.
     """
 
     def __init__(self, scenario: Scenario, settings: PolicySettings, session: str) -> None:
@@ -103,14 +104,16 @@ class Shift:
                 self._past.append(_Past(self.cycle, self.belief))
                 self.cycle += 1
             case Advice():
-                self.advised = event.on
+                if event.on != self.advised:
+                    self._switch(event.on)
                 return
             case WorkerChanged():
                 self._change(event)
                 return
         if self._past:
             self._past[-1].inputs.append(event)
-        self.belief = self.after(self.belief, event) if after is None else after
+        if self.advised:
+            self.belief = self.after(self.belief, event) if after is None else after
 
     def recent(self, cycle: int) -> Observed | Skipped | None:
         """How a cycle ended, if that may still be corrected."""
@@ -120,6 +123,12 @@ class Shift:
                 assert isinstance(ended, Observed | Skipped)
                 return ended
         return None
+
+    def before(self, cycle: int) -> Belief | None:
+        """The belief before the cycle going on, or one that may still be corrected."""
+        if cycle == self.cycle:
+            return self.belief
+        return next((past.belief for past in self._past if past.cycle == cycle), None)
 
     def after(self, belief: Belief, event: Input) -> Belief:
         """The belief after the end of a cycle or a pause."""
@@ -141,6 +150,8 @@ class Shift:
         model = self.scenario.model
         if event.likelihood is not None:
             return np.array([event.likelihood.get(name, 0.0) for name in model.outcomes])
+        if event.observation == UNCLEAR and UNCLEAR not in model.observations:
+            return np.ones(len(model.outcomes))
         if event.observation is not None:
             matrix = recognition_of(model.arrays, model.actions.index(event.executed))
             return np.asarray(model.arrays.observation[matrix, :, model.observations.index(event.observation)])
@@ -171,7 +182,15 @@ class Shift:
             self.belief, self.advised = self._newcomer(), True
         else:
             belief, self.advised = self._others.pop(event.worker)
-            self.belief = belief.rest(event.away_s)
+            self.belief = belief.rest(event.away_s) if self.advised else belief
+
+    def _switch(self, on: bool) -> None:
+        """Forget what was believed and seen of this worker, but not what the robot did: it may be said again."""
+        self.advised, self.belief = on, self._newcomer()
+        for number, past in enumerate(self._past):
+            ended = past.inputs[0]
+            kept = ended.without_worker() if isinstance(ended, Observed) else ended
+            self._past[number] = _Past(past.cycle, self.belief, [kept])
 
     def _correct(self, event: Observed | Skipped) -> None:
         """Derive the belief anew from the cycle on that is now known."""

@@ -29,6 +29,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, OtherVersionError
 from fatigue_planner.core.files import canonical_json, digest_of
+from fatigue_planner.core.reading_process import Array, UnreadableError
 from fatigue_planner.human.capsules import checked_pairs
 from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
@@ -38,7 +39,7 @@ from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MAX_TICKS, PHASES
 from fatigue_planner.reactions.key import ReactionKey
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
-from fatigue_planner.reactions.sandbox import Array, Layout, UnreadableError, read_hdf5
+from fatigue_planner.reactions.sandbox import Layout, read_hdf5
 
 T = TypeVar("T")
 

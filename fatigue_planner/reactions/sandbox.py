@@ -1,45 +1,14 @@
 """The contents of HDF5 files, read by a process of its own: see `sandboxed_reader`."""
 
-import atexit
-import json
-import os
-import signal
-import subprocess
-import sys
-import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from multiprocessing import Pipe
-from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fatigue_planner.core.errors import ReaderError
+from fatigue_planner.core.reading_process import Array, ReadingProcess
 
 SCRIPT = Path(__file__).with_name("sandboxed_reader.py")
 # CPU time of the reading process, so that neither a busy machine nor a stopped program makes a file unreadable.
 MAX_SECONDS = 30
-# Waited besides, on a busy machine: for Python to start, and for content and numbers to be sent.
-PATIENCE_S = 60
-MAX_MESSAGE_LENGTH = 300
-# No filter is looked for on the disk; no threads of linear algebra, whose memory would count; memory is given back.
-_ENVIRONMENT = {
-    "HDF5_PLUGIN_PRELOAD": "::", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
-    "MALLOC_TRIM_THRESHOLD_": "1048576",
-}  # fmt: skip
-
-Array = NDArray[Any]
-
-
-class UnreadableError(Exception):
-    """The content is not what it should be; the message, one printable line, says why."""
-
-
-class _DiedError(Exception):
-    """The reading process ended before it had answered; the argument is its exit code."""
 
 
 @dataclass(frozen=True)
@@ -55,97 +24,8 @@ class Layout:
     most_text: int
 
 
-class _Reader:
-    """The reading process, started when needed and again when a file has killed it; for one thread at a time."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._connection: Connection | None = None
-
-    def read(self, content: bytes, request: Mapping[str, Any]) -> list[Array]:
-        with self._lock:
-            try:
-                return self._ask(content, request)
-            except _DiedError:
-                pass
-            # An earlier file may have damaged that process, or somebody killed it: only the end of a new one counts.
-            try:
-                return self._ask(content, request)
-            except _DiedError as error:
-                raise UnreadableError(f"ends the process that reads it ({error})") from error
-
-    def stop(self) -> int | None:
-        """End the process, if there is one; its exit code."""
-        process, self._process = self._process, None
-        if self._connection is not None:
-            self._connection.close()
-            self._connection = None
-        if process is None:
-            return None
-        try:
-            return process.wait(1)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            return process.wait()
-
-    def forget(self) -> None:
-        """In a fork of this process: the reading process, and the lock on it, belong to the parent."""
-        if self._connection is not None:
-            self._connection.close()
-        if self._process is not None:
-            self._process.returncode = 0  # nothing to be waited for
-        self.__init__()  # type: ignore[misc]
-
-    def _ask(self, content: bytes, request: Mapping[str, Any]) -> list[Array]:
-        connection = self._connection or self._start()
-        try:
-            connection.send_bytes(json.dumps(request).encode())
-            connection.send_bytes(content)
-            if not connection.poll(request["most_seconds"] + PATIENCE_S):
-                raise UnreadableError("takes too long to read")
-            answer = json.loads(connection.recv_bytes())
-            arrays = [_array(connection, *shape) for shape in answer.get("shapes", [])]
-        except (OSError, EOFError, ValueError) as error:
-            code = self.stop()
-            if code == -signal.SIGPROF:
-                raise UnreadableError("takes too long to read") from error
-            raise _DiedError(code) from error
-        except BaseException:  # an interrupt, too: the next question must not get this one's answer
-            self.stop()
-            raise
-        if "error" in answer:
-            raise UnreadableError(_one_line(answer["error"]))
-        return arrays
-
-    def _start(self) -> Connection:
-        """Raises ReaderError if the process does not come up: that is no file's fault."""
-        try:
-            own, other = Pipe()
-            with other:
-                # -P: no file of the working folder is taken for a library; group: Ctrl-C is not meant for it
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", str(SCRIPT), str(other.fileno())], pass_fds=[other.fileno()],
-                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, process_group=0,
-                    env={**os.environ, **_ENVIRONMENT},
-                )  # fmt: skip
-            self._connection = own
-            if not own.poll(PATIENCE_S):
-                raise TimeoutError("no answer")
-            own.recv_bytes()
-        except (OSError, EOFError) as error:
-            code = self.stop()
-            why = (getattr(error, "strerror", None) or str(error)) if code is None else f"exit code {code}"
-            raise ReaderError(f"the process that reads stored reactions does not start ({why}).") from error
-        except BaseException:
-            self.stop()
-            raise
-        return own
-
-
-_READER = _Reader()
-atexit.register(_READER.stop)
-os.register_at_fork(after_in_child=_READER.forget)
+# No filter is looked for on the disk.
+_READER = ReadingProcess(SCRIPT, "stored reactions", {"HDF5_PLUGIN_PRELOAD": "::"})
 
 
 def read_hdf5(content: bytes, layout: Layout) -> dict[str, Array]:
@@ -158,15 +38,5 @@ def read_hdf5(content: bytes, layout: Layout) -> dict[str, Array]:
         "datasets": dict(layout.datasets), "most_rows": layout.most_rows, "most_text": layout.most_text,
         "most_seconds": MAX_SECONDS,
     }  # fmt: skip
-    return dict(zip(layout.datasets, _READER.read(content, request), strict=True))
-
-
-def _array(connection: Connection, kind: str, shape: list[int]) -> Array:
-    dtype = np.dtype(kind)
-    size = int(np.prod(shape)) * dtype.itemsize
-    return np.frombuffer(connection.recv_bytes(size), dtype).reshape(shape)
-
-
-def _one_line(text: str) -> str:
-    """A message that may repeat parts of the file, fit for a terminal."""
-    return "".join(character if character.isprintable() else "?" for character in text[:MAX_MESSAGE_LENGTH])
+    _, arrays = _READER.read(content, request)
+    return dict(zip(layout.datasets, arrays, strict=True))

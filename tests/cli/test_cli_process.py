@@ -28,8 +28,10 @@ COLOUR = re.compile(r"\x1b\[[0-9;]*(?:3[0-8]|4[0-8]|9[0-7]|10[0-7])[0-9;]*m")
 def test_every_commands_help_names_the_exit_codes() -> None:
     root = typer.main.get_command(app)
     commands: list[tuple[str, ...]] = [(), *((name,) for name, command in root.commands.items() if not command.hidden)]
-    commands += [(group, name) for group in ("human", "cache", "live") for name in root.commands[group].commands]
-    assert len(commands) == 1 + 16 + 3 + 6 + 4
+    commands += [
+        (group, name) for group in ("human", "cache", "live", "record") for name in root.commands[group].commands
+    ]
+    assert len(commands) == 1 + 17 + 3 + 6 + 4 + 1
     for words in commands:
         done = fatplan(*words, "--help")
         assert done.returncode == 0 and "Exit codes: 0 done; 1 internal error;" in " ".join(done.stdout.split()), words
@@ -170,6 +172,7 @@ def test_a_full_disk_is_one_message(tmp_path: Path, cache_folder: Path) -> None:
     assert fatplan(*run).returncode == 0 and contents() == whole
 
 
+@pytest.mark.slow
 def test_every_exit_code_but_the_interrupts(tmp_path: Path, cache_folder: Path) -> None:
     """130 and 143 are in test_cli_signals; each other code is provoked by a process of its own."""
     assert finished("schema").returncode == ExitCode.OK

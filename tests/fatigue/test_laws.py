@@ -63,6 +63,15 @@ def test_the_closed_form_of_ma_is_that_of_its_flows(reactions: tuple[Reaction, .
         np.testing.assert_allclose(closed.maps(faster, sooner), ticks.maps(faster, sooner), rtol=1e-11, atol=1e-15)
 
 
+@pytest.mark.parametrize("law", [MA, THREE])
+def test_the_load_counts_while_it_is_above_the_threshold(law: FatigueLaw, reactions: tuple[Reaction, ...]) -> None:
+    parameters, motion = parameters_of(law), reactions[0].motion
+    share = load_share(motion, parameters)
+    expected = [sum(s for s in of if s > 0.1) * motion.time_step_s for of in share.T]
+    np.testing.assert_allclose(law.profile(share, motion.time_step_s, parameters).load_s, expected, rtol=1e-12)
+    assert 0 < np.count_nonzero(expected) < 78
+
+
 def test_factors_are_factors_of_the_rates(reactions: tuple[Reaction, ...]) -> None:
     """3CC-r with F and R multiplied is 3CC-r with the multiplied F and R; r stays."""
     own = parameters_of(THREE)

@@ -1,18 +1,20 @@
 """A session: the same belief and answers whatever happens to the program; what was said wrongly changes nothing."""
 
 import itertools
+import math
 import os
 import signal
 import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import PAPER
+from shifts import CYCLE_S, FakeClock, cycles
 
 import fatigue_planner as fp
 from fatigue_planner.core.errors import (
@@ -23,32 +25,10 @@ from fatigue_planner.core.errors import (
     SelectionError,
 )
 from fatigue_planner.live import session as session_module
-from fatigue_planner.live.events import Contradicted, Observed, Rested, WorkerChanged
-from fatigue_planner.live.journal_file import read_journal
+from fatigue_planner.live.clock import RehearsalClock
+from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, WorkerChanged
+from fatigue_planner.live.journal_file import last_seconds, read_journal
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
-
-CYCLE_S = 16.0
-
-
-class FakeClock(fp.Clock):
-    """A clock that stands until it is moved."""
-
-    def __init__(self, boot: str = "boot 1") -> None:
-        self.now_s, self.boot = 1000.0, boot
-        self.wall = datetime(2026, 11, 28, 6, 0, tzinfo=UTC)
-
-    def pass_(self, seconds: float) -> None:
-        self.now_s += seconds
-        self.wall += timedelta(seconds=seconds)
-
-    def seconds(self) -> float:
-        return self.now_s
-
-    def utc(self) -> datetime:
-        return self.wall
-
-    def origin(self) -> str:
-        return self.boot
 
 
 @pytest.fixture(scope="module")
@@ -67,15 +47,71 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "shift.fatplan"
 
 
-def cycles(session: fp.Session, clock: FakeClock, seen: list[str | None]) -> list[str]:
-    """Work a cycle for each of what is seen; the actions."""
-    done = []
-    for one in seen:
-        decision = session.decide()
-        done.append(decision.action)
-        clock.pass_(CYCLE_S)
-        session.observe(decision.cycle, observation=one)
-    return done
+def test_what_the_robot_says_it_does_counts(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Its own word goes before what it was told, also after a restart; what is said late or twice changes nothing."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        asked = session.decide().action
+        other = next(name for name in scenario.model.actions if name != asked)
+        assert session.state().robot == "unknown"
+        assert session.executed(1, other).action == asked
+        recorded = session.executed(1, other).recorded
+        with pytest.raises(ContradictionError, match=f"cycle 1: the robot did {other}"):
+            session.executed(1, asked)
+        with pytest.raises(ContradictionError, match="as it said itself"):
+            session.observe(1, executed=asked)
+    assert [one.event.kind for one in read_journal(path)].count("executed") == 1
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.state().robot == "answers"
+        second = session.decide(cycle=2)
+        assert session.executed(1, other).recorded == second.recorded
+        with pytest.raises(ContradictionError):
+            session.executed(1, asked)
+        assert session.observe(1, observation="arm").cycle == 2
+        with pytest.raises(CycleError):
+            session.executed(3, other)
+        with pytest.raises(EvidenceError):
+            session.executed(2, "nowhere")
+    observed = [one.event for one in read_journal(path) if isinstance(one.event, Observed)]
+    assert recorded == 2
+    assert [(one.executed, one.observation) for one in observed] == [(other, None), (other, "arm")]
+
+
+def test_a_robot_that_says_nothing_is_unreachable(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        action = session.decide().action
+        session.executed(1, action)
+        cycles(session, clock, ["arm"])
+        assert session.state().robot == "answers"
+        cycles(session, clock, ["arm"])
+        assert session.state().robot == "unreachable"
+        session.executed(3, action)
+        assert session.state().robot == "answers"
+        session.skip()
+        session.executed(3)
+        session.executed(3)
+        assert session.state().robot == "unreachable"
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert (session.state().robot, session.digest()) == ("unreachable", digest)
+    assert [one.event.kind for one in read_journal(path)].count("executed") == 3
+
+
+def test_a_rehearsals_journal_is_no_shifts(scenario: fp.Scenario, path: Path) -> None:
+    """The chain's first event says that the clock was none; a shift is not gone on with as a rehearsal, nor back."""
+    clock = RehearsalClock()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.state().rehearsal
+        clock.move(3600)
+        session.skip()
+        for wrong in (3599.0, math.nan, 1e12):
+            with pytest.raises(EvidenceError, match="never set back"):
+                clock.move(wrong)
+    first = read_journal(path)[0]
+    assert isinstance(first.event, Opened)
+    assert (first.event.rehearsal, first.utc) == (True, "2000-01-01T06:00:00+00:00")
+    assert last_seconds(path) == 3600
+    with pytest.raises(OtherSituationError, match="the clock"):
+        fp.Session.open(path, scenario)
 
 
 SEEN = ["arm", "back", None, "arm", "arm", "back", None, None, "back", "arm"]
@@ -269,7 +305,7 @@ def test_another_situation_is_refused(scenario: fp.Scenario, path: Path, clock: 
     fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
     experiment = fp.load(PAPER)
     other = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "single_novice")
-    with pytest.raises(OtherSituationError, match=r"the scenario .* changed"):
+    with pytest.raises(OtherSituationError, match=r"what a cycle does .* changed"):
         fp.Session.open(path, other, safe_action="low", clock=clock)
     with pytest.raises(OtherSituationError, match="the policy changed"):
         fp.Session.open(path, scenario, "greedy", safe_action="low", clock=clock)
@@ -303,8 +339,42 @@ def test_without_news_the_schedule_decides(scenario: fp.Scenario, path: Path, cl
         assert session.decide().fallback == "schedule"
         clock.pass_(CYCLE_S)
         assert session.observe(session.cycle, observation="arm").fallback == "none"
-        assert session.advise(False).fallback == "schedule"
-        assert session.advise(True).fallback == "none"
+
+
+def test_switched_off_nothing_is_kept_of_a_worker(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Neither a belief nor what was seen, however it is said; the schedule decides from the next cycle on."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.worker("w-7f3a")
+        cycles(session, clock, ["arm", None, "back"])
+        newcomer = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0))
+        decided = session.decide()
+        assert session.advise(False).action == decided.action and decided.fallback == "none"
+        clock.pass_(CYCLE_S)
+        assert session.observe(4, observation="arm", duration_s=15.0).fallback == "schedule"
+        session.observe(4, likelihood={"back": 1.0})  # it is not known what was said: no contradiction
+        session.observe(2, observation="arm")  # told late
+        with pytest.raises(ContradictionError):
+            session.observe(4, executed="high" if decided.action == "low" else "low")
+        clock.pass_(CYCLE_S)
+        session.decide(cycle=6)
+        session.rest(60)
+        state = session.state()
+        assert not state.advised and state.joints == () and state.counts.unseen == 1
+        assert np.array_equal(session._shift.belief.states, newcomer.states)
+        assert all(np.array_equal(past.belief.states, newcomer.states) for past in session._shift._past)
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.digest() == digest and session.decide().fallback == "schedule"
+        session.advise(True)
+        session.observe(5, observation="arm")  # of a cycle in which he was off
+        assert np.array_equal(session._shift.belief.states, newcomer.states)
+        clock.pass_(CYCLE_S)
+        assert session.observe(6, observation="arm").fallback == "none"
+        assert not np.array_equal(session._shift.belief.states, newcomer.states)
+    ended = {one.event.cycle: one.event for one in read_journal(path) if isinstance(one.event, Observed)}
+    assert [ended[cycle].off for cycle in range(1, 7)] == [False, False, False, True, True, False]
+    for cycle in (4, 5):
+        assert ended[cycle] == Observed(cycle=cycle, executed=ended[cycle].executed, off=True)
 
 
 def test_workers_are_never_mixed(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:

@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 from foreign import crafted, packed, small_entry, small_reaction
 
+from fatigue_planner.core import reading_process
 from fatigue_planner.core.errors import ReaderError
+from fatigue_planner.core.reading_process import UnreadableError
 from fatigue_planner.reactions import sandbox
 from fatigue_planner.reactions.hdf5_layout import ARRAYS, LAYOUT, read_entry
-from fatigue_planner.reactions.sandbox import UnreadableError, read_hdf5
+from fatigue_planner.reactions.sandbox import read_hdf5
 
 ROWS = 50_000
 ROOT = Path(__file__).parents[2]
@@ -113,7 +115,7 @@ def test_a_file_that_takes_too_long_is_refused(slow_content: bytes, monkeypatch:
     with pytest.raises(UnreadableError, match="takes too long to read"):
         read_hdf5(slow_content, LAYOUT)
     reader()
-    monkeypatch.setattr(sandbox, "PATIENCE_S", 0.05)
+    monkeypatch.setattr(reading_process, "PATIENCE_S", 0.05)
     with pytest.raises(ReaderError, match="does not start"):
         sandbox._READER.stop()
         reader()
@@ -124,7 +126,7 @@ def test_a_file_that_takes_too_long_is_refused(slow_content: bytes, monkeypatch:
 def test_a_stopped_reader_is_not_waited_for_without_end(monkeypatch: pytest.MonkeyPatch) -> None:
     os.kill(reader(), signal.SIGSTOP)
     monkeypatch.setattr(sandbox, "MAX_SECONDS", 0.1)
-    monkeypatch.setattr(sandbox, "PATIENCE_S", 0.1)
+    monkeypatch.setattr(reading_process, "PATIENCE_S", 0.1)
     with pytest.raises(UnreadableError, match="takes too long to read"):
         read_hdf5(small_entry(), LAYOUT)
     monkeypatch.undo()

@@ -13,7 +13,7 @@ PACKAGE = ROOT / "fatigue_planner"
 # From the ground up; a room imports only itself and those before it.
 ROOMS = [
     "core", "human", "motion", "fatigue", "reactions", "ergonomics", "pomdp", "planners", "experiment", "study",
-    "station", "api", "live", "output", "cli",
+    "station", "recordings", "api", "live", "output", "cli",
 ]  # fmt: skip
 # The same inside the rooms that have several: from the ground up.
 INNER_ROOMS = {
@@ -21,7 +21,7 @@ INNER_ROOMS = {
     "output": ["viewer", "figures", "reports"],
     "planners": ["schedules", "pomcp", "bounds"],
 }
-MAX_ROOMS, MAX_FLOORS = 15, 11
+MAX_ROOMS, MAX_FLOORS = 16, 11
 
 Graph = Mapping[str, Set[str]]
 

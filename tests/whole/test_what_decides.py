@@ -40,7 +40,7 @@ from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
 SECTIONS = list(Experiment.model_fields)
-LONG = ("benchmark", "preferences", "actions")  # sections with hundreds of settings
+LONG = ("benchmark", "preferences", "actions", "fatigue", "controller", "workers")  # with many settings
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,11 @@ class DoseProfile(CycleProfile):
         """See CycleProfile.tires."""
         return np.asarray((self.dose_s > 0).any(axis=0))
 
+    @property
+    def load_s(self) -> Vector:
+        """See CycleProfile.load_s."""
+        return np.asarray(self.dose_s.sum(axis=0))
+
     def maps(self, fatigue_rate_factor: ArrayLike, recovery_rate_factor: ArrayLike) -> tuple[Matrix, Matrix]:
         r"""See CycleProfile.maps.
 

@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import AsyncIterator
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from starlette.applications import Starlette
@@ -13,7 +14,8 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from fatigue_planner import __version__
-from fatigue_planner.core.errors import ContradictionError, FatplanError
+from fatigue_planner.core.errors import ContradictionError, EvidenceError, FatplanError
+from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.face.guard import HEADERS, Guard, Tokens
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
 from fatigue_planner.live.face.requests import CALLS, Request, openapi, parse
@@ -27,8 +29,8 @@ MAX_WATCHERS = 50
 class Face:
     """A session as an ASGI application; see `requests.openapi` for what it offers."""
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, session: Session, rehearsal: RehearsalClock | None = None) -> None:
+        self._session, self._rehearsal = session, rehearsal
         self._changed = asyncio.Event()
         self._watchers = self._changes = 0
         self._event_of: tuple[int, int] | None = None
@@ -50,7 +52,10 @@ class Face:
         name = request.url.path.rpartition("/")[2]
         try:
             said: Request = parse(CALLS[name], await request.body())
-            answer = getattr(self._session, name)(**dict(said))
+            call = self._move if name == "clock" else getattr(self._session, name)
+            # what must be compiled first keeps nobody waiting
+            told = partial(call, **dict(said))
+            answer = await asyncio.to_thread(told) if name == "configure" else told()
         except FatplanError as error:
             code = 409 if isinstance(error, ContradictionError) else 422
             return JSONResponse({"error": str(error), "expected_cycle": self._session.cycle}, code, HEADERS)
@@ -58,6 +63,11 @@ class Face:
         self._changed.set()
         self._changed = asyncio.Event()
         return JSONResponse(None if answer is None else asdict(answer), headers=HEADERS)
+
+    def _move(self, seconds: float) -> None:
+        if self._rehearsal is None:
+            raise EvidenceError("clock: this is no rehearsal; the clock is the machine's.")
+        self._rehearsal.move(seconds)
 
     async def _state(self, _: HttpRequest) -> Response:
         return JSONResponse(self._snapshot(), headers=HEADERS)

@@ -37,6 +37,13 @@ class Observe(Request):
     duration_s: float | None = Field(default=None, description="Duration of the cycle in s. Default: as planned.")
 
 
+class Executed(Request):
+    """What the robot does in a cycle, as it says itself; the decision stands."""
+
+    cycle: int = Field(description="Number of the cycle.")
+    action: str | None = Field(default=None, description="The action that it does. Without it: it does not answer.")
+
+
 class Skip(Request):
     """The worker did nothing in this cycle."""
 
@@ -61,15 +68,34 @@ class Advise(Request):
     on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
 
 
+class Configure(Request):
+    """Decide otherwise from the next cycle on."""
+
+    deadline_s: float | None = Field(default=None, description="Seconds after which an answer is late.")
+    unseen_limit: int | None = Field(
+        default=None, description="Cycles in a row of which nothing is known, after which the schedule decides."
+    )
+    policy: str | dict[str, Any] | None = Field(
+        default=None, description="Policy, by its kind or its settings as in an experiment file."
+    )
+
+
 class Note(Request):
     """A remark for the journal."""
 
     text: str = Field(max_length=MAX_TEXT_LENGTH, description="The remark.")
 
 
+class MoveClock(Request):
+    """Move on the clock of a rehearsal; in a real shift this is refused."""
+
+    seconds: float = Field(description="What the clock shows from now on, in s since the rehearsal began.")
+
+
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
-    "decide": Decide, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker, "advise": Advise, "note": Note,
+    "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
+    "advise": Advise, "configure": Configure, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 

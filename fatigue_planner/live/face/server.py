@@ -11,6 +11,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.face.app import Face
 from fatigue_planner.live.face.guard import Tokens
 from fatigue_planner.live.session import Session
@@ -82,15 +83,15 @@ def write_token(path: Path, token: str) -> None:
     path.write_text(f"{token}\n", encoding="ascii")
 
 
-def serve(session: Session, listening: socket.socket, tokens: Tokens) -> None:
-    """Serve until the program is stopped."""
+def serve(session: Session, listening: socket.socket, tokens: Tokens, rehearsal: RehearsalClock | None = None) -> None:
+    """Serve until the program is stopped; the session of a rehearsal has its clock."""
     port = listening.getsockname()[1]
     hosts = frozenset(f"{name}:{port}" for name in ("127.0.0.1", "localhost", "[::1]"))
     with suppress(OSError, ValueError):
         _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
     config = uvicorn.Config(
-        Face(session).application(tokens, hosts),
+        Face(session, rehearsal).application(tokens, hosts),
         http=LimitedProtocol,
         ws="none",
         lifespan="off",

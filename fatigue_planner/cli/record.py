@@ -1,0 +1,97 @@
+"""`fatplan record`: recorded motions, checked."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+from fatigue_planner.cli import options
+from fatigue_planner.core.errors import ExitCode
+from fatigue_planner.core.text import counted
+
+if TYPE_CHECKING:
+    from fatigue_planner.recordings.check import Checked
+
+app = typer.Typer(name="record", help="Check recorded motions.", no_args_is_help=True)
+
+Units = Annotated[Literal["mm", "cm", "m"] | None, typer.Option("--units", help="Unit of length.")]
+Up = Annotated[
+    Literal["+x", "+y", "+z", "-x", "-y", "-z"] | None, typer.Option("--up", help="Axis that points upwards.")
+]
+Rate = Annotated[float | None, typer.Option("--rate", min=0.1, max=100_000, help="Frames per second.")]
+Prefix = Annotated[str | None, typer.Option("--prefix", help="What stands before the labels of the person, without :.")]
+MappingName = Annotated[
+    str | None, typer.Option("--mapping", help="Mapping of labels that ships, or a YAML file. Default: the best one.")
+]
+Mass = Annotated[float | None, typer.Option("--mass", min=20, max=300, help="Mass of the body in kg.")]
+AnglesIn = Annotated[
+    Literal["deg", "rad"] | None, typer.Option("--angles", help="Unit of angles, where a file leaves it open.")
+]
+Reader = Annotated[
+    Literal["ezc3d", "c3d"] | None, typer.Option("--reader", help="Library to believe where two read C3D differently.")
+]
+
+
+@app.command(epilog=options.EXIT_CODES)
+def check(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="C3D, TRC, MOT, STO, BVH, MVNX or CSV.")],
+    units: Units = None,
+    up: Up = None,
+    rate: Rate = None,
+    prefix: Prefix = None,
+    mapping: MappingName = None,
+    mass: Mass = None,
+    angles: AnglesIn = None,
+    reader: Reader = None,
+    as_json: options.Json = False,
+) -> None:
+    """Read FILES and say what they hold, what is inferred, and what is wrong. Options overrule what is inferred."""
+    from fatigue_planner.recordings.check import check as check_files
+    from fatigue_planner.recordings.formats.registry import Choices
+    from fatigue_planner.recordings.inference.finding import Given
+    from fatigue_planner.recordings.mapping import load_mapping
+
+    if mapping is not None:
+        load_mapping(mapping)
+    given = Given(units, up, rate, prefix, mapping, mass)
+    checked = check_files(files, given, Choices(reader, None if angles is None else angles == "deg"))
+    document = {"files": [_row(one) for one in checked], "refused": sum(one.found is None for one in checked)}
+    options.present(document, "\n".join(map(_text, checked)), as_json)
+    if document["refused"]:
+        raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+def _row(one: "Checked") -> dict[str, Any]:
+    if one.found is None:
+        return {"file": one.file, "refused": one.refused}
+    recording = one.found.recording
+    return {
+        "file": one.file,
+        "refused": None,
+        "format": one.format,
+        "digest": recording.digest,
+        "frames": recording.frames,
+        "rate_hz": recording.rate_hz,
+        "points": recording.labels,
+        "angles": () if recording.angles is None else recording.angles.names,
+        "plates": len(recording.ground),
+        "mapping": one.found.mapping,
+        "findings": one.found.findings,
+        "remarks": one.found.remarks,
+    }
+
+
+def _text(one: "Checked") -> str:
+    if one.found is None:
+        return f"{one.refused}\n  refused"
+    recording = one.found.recording
+    sizes = [
+        (len(recording.labels), "point"),
+        (0 if recording.angles is None else len(recording.angles.names), "angle"),
+    ]
+    sizes.append((len(recording.ground), "plate"))
+    told = ", ".join(counted(number, what) for number, what in sizes if number)
+    lines = [f"{one.file}: {one.format}, {counted(recording.frames, 'frame')}, {recording.duration_s:.2f} s, {told}"]
+    lines += [f"  {finding.what}: {finding.value} ({finding.source})" for finding in one.found.findings]
+    lines += [f"  fault {remark.fault}: {remark.text}" for remark in one.found.remarks]
+    return "\n".join(lines)

@@ -1,0 +1,96 @@
+"""MVNX: the poses of an Xsens suit's segments, as XML of versions 3 and 4."""
+
+import io
+import math
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.core.errors import RecordingError, shortened
+from fatigue_planner.recordings.content import Content, Remark, Segments
+from fatigue_planner.recordings.formats.text import number
+
+Vector = NDArray[np.float64]
+MAX_SEGMENTS = 200
+# Poses that are no part of the motion: N-pose, T-pose and identity, as the suit was calibrated.
+_CALIBRATION = {"npose", "tpose", "identity", "tpose-isb"}
+
+
+def read_mvnx(content: bytes) -> Content:
+    """The segments of an MVNX file; its axes are Xsens': x forward, z up, metres. Raises RecordingError."""
+    if b"<!DOCTYPE" in content[:10_000] or b"<!ENTITY" in content:
+        raise RecordingError("declares a document type or entities; MVNX files have none.")
+    names: list[str] = []
+    times: list[float] = []
+    rows: list[tuple[list[float], list[float]]] = []
+    rate, dropped = math.nan, 0
+    try:
+        for _, element in ElementTree.iterparse(io.BytesIO(content)):
+            match element.tag.rpartition("}")[2]:
+                case "segment" if element.get("label"):
+                    names.append(str(element.get("label")))
+                case "subject":
+                    rate = number(element.get("frameRate", ""), 0)
+                case "frame":
+                    if _number(element, "index") < 0 or (element.get("type") or "normal").lower() in _CALIBRATION:
+                        dropped += 1
+                    else:
+                        times.append(_number(element, "time") / 1000)  # in ms
+                        rows.append((_numbers(element, "orientation"), _numbers(element, "position")))
+                    element.clear()
+    except (ElementTree.ParseError, ValueError, LookupError) as error:
+        raise RecordingError(f"is not well-formed XML ({error}).") from error
+    if not names or not rows:
+        raise RecordingError(f"has {len(names)} segments and {len(rows)} frames of a motion.")
+    if len(names) > MAX_SEGMENTS or len(set(names)) < len(names):
+        raise RecordingError(f"names {len(names)} segments, some of them twice, or more than {MAX_SEGMENTS}.")
+    turns, places = (_array(rows, which, per, len(names)) for which, per in ((0, 4), (1, 3)))
+    found = np.array(times)
+    if np.isnan(found).any():
+        if not rate > 0:
+            raise RecordingError("says neither the times of its frames nor subject frameRate.")
+        found = np.arange(len(rows)) / rate
+    remarks = (Remark(8, f"{dropped} frames of calibration poses are left out."),) if dropped else ()
+    segments = Segments(tuple(names), places, _rotation(turns))
+    return Content("MVNX", found, rate if rate > 0 else None, "m", "+z", segments=segments, remarks=remarks)
+
+
+def _number(element: ElementTree.Element, key: str) -> float:
+    try:
+        return number(element.get(key, ""), 0)
+    except RecordingError:
+        raise RecordingError(f"frame {key} = {shortened(element.get(key))} is not a number.") from None
+
+
+def _numbers(frame: ElementTree.Element, key: str) -> list[float]:
+    found = next((child for child in frame if child.tag.rpartition("}")[2] == key), None)
+    where = f"frame {frame.get('index')}: {key}"
+    if found is None or not found.text:
+        raise RecordingError(f"{where} is missing.")
+    try:
+        return [number(word, 0) for word in found.text.split()]
+    except RecordingError:
+        raise RecordingError(f"{where} has what is not a number.") from None
+
+
+def _array(rows: list[tuple[list[float], list[float]]], which: int, per: int, segments: int) -> Vector:
+    lengths = {len(row[which]) for row in rows}
+    if lengths != {per * segments}:
+        raise RecordingError(f"a frame has {sorted(lengths)[0]} numbers, not {per} for each of {segments} segments.")
+    return np.array([row[which] for row in rows]).reshape(len(rows), segments, per)
+
+
+def _rotation(quaternion: Vector) -> Vector:
+    """Rotations (n, s, 3, 3) from quaternions (n, s, 4), w first. Raises RecordingError where one is none."""
+    length = np.linalg.norm(quaternion, axis=-1)
+    if not (abs(length - 1) < 0.01).all():
+        frame = int((~(abs(length - 1) < 0.01)).any(axis=1).argmax())
+        raise RecordingError(f"the orientations of the {frame + 1}. frame are no unit quaternions.")
+    w, x, y, z = np.moveaxis(quaternion / length[..., None], -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
