@@ -122,13 +122,15 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     preferences = tuple(experiment.preferences)
     observations, matrix = preferences, None
     if experiment.recognition_errs():
-        observations, matrix = experiment.recognised()
+        observations, matrix = experiment.recognised(actions)
+    choices = None if condition.choice_model is None else experiment.choice_models[condition.choice_model]
     cost = experiment.cost.fatigue_cost()
     parameters = fatigue_parameters(experiment.fatigue, maximum_torque(experiment.workers[worker].strength))
     timing = Timing(experiment.cycle.duration_s, parameters.law.rest(parameters))
     model = build_pomdp(
-        actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost, timing
-    )
+        actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost, timing,
+        None if choices is None else choices.log_odds(preferences),
+    )  # fmt: skip
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])

@@ -236,6 +236,8 @@ TOO_MUCH = {
     "human/data/strength_spread.yaml",  # what a set's percentile is; the torques are in the key
     "pomdp/cycles.py", "pomdp/beliefs/moments.py",
     *(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / "planners/bounds").glob("[a-z]*.py")),
+    # a choice model's log-odds are in the key
+    *(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / "pomdp/choices").glob("[a-z]*.py")),
     *(f"human/{path.relative_to(PACKAGE / 'human')}" for path in (PACKAGE / "human/data/strengths").glob("*.yaml")),
     # laws, rates and loads make profiles, which are in the key; a profile brings the code of its law with it
     *(
