@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment as Experiment
     from fatigue_planner.fatigue.laws.law import FatigueLaw as FatigueLaw
     from fatigue_planner.live.clock import Clock as Clock
+    from fatigue_planner.live.events import AlarmSettings as AlarmSettings
     from fatigue_planner.live.session import CycleDecision as CycleDecision
     from fatigue_planner.live.session import Session as Session
     from fatigue_planner.motion.tasks.task import PreferenceTask as PreferenceTask
@@ -68,6 +69,7 @@ _WHERE = {
     "experiment.schema": ("Experiment",),
     "fatigue.laws.law": ("FatigueLaw",),
     "live.clock": ("Clock",),
+    "live.events": ("AlarmSettings",),
     "live.session": ("CycleDecision", "Session"),
     "motion.tasks.task": ("PreferenceTask", "Task"),
     "output.reports.results.report": ("report_section",),

@@ -4,16 +4,19 @@ import os
 import shutil
 import socket
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+from shifts import World
 
 from fatigue_planner.core import files, provenance
 from fatigue_planner.core.executors.processes import LocalProcesses
-from fatigue_planner.experiment.build import load_reactions, reaction_requests
+from fatigue_planner.experiment.build import load_cycle_profiles, load_reactions, reaction_requests, scenario
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.pomdp.scenario import Scenario
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
 
@@ -42,6 +45,20 @@ def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) ->
 @pytest.fixture(scope="session")
 def reactions(paper: Experiment, cache_folder: Path) -> tuple[Reaction, ...]:
     return load_reactions(paper, cache_folder, "fatplan simulate")
+
+
+@pytest.fixture(scope="session")
+def task(paper: Experiment, cache_folder: Path) -> Scenario:
+    """The paper's task with novices who prefer arm or back."""
+    profiles = load_cycle_profiles(paper, cache_folder, "fatplan simulate")
+    condition = "multiple_novice"
+    return replace(scenario(paper, profiles, paper.benchmark.conditions[condition]), name=condition)
+
+
+@pytest.fixture
+def world(tmp_path: Path, task: Scenario, cache_folder: Path) -> World:
+    """Where a shift happens."""
+    return World(tmp_path, task, cache_folder)
 
 
 @pytest.fixture

@@ -1,10 +1,12 @@
 """`fatplan live`: what to do with the journal of a shift."""
 
 import json
+import os
+import time
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -13,9 +15,34 @@ from fatigue_planner.cli.progress import talk, warn
 from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
 from fatigue_planner.core.text import counted
 
-app = typer.Typer(name="live", help="Export, recover and clear the journal of a shift.", no_args_is_help=True)
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.planners.policy import PolicySettings
+    from fatigue_planner.pomdp.scenario import Scenario
+
+app = typer.Typer(
+    name="live",
+    help="A shift beside a robot: serve it, rehearse it, and report, export, recover and clear its journal.",
+    no_args_is_help=True,
+)
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+
+
+def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySettings | None":
+    """The policy that an option names, if it names one. Raises SelectionError."""
+    known = loaded.benchmark.policies
+    if name is None:
+        return None
+    if name not in known:
+        raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    return known[name]
+
+
+def need_server() -> None:
+    """Raise MissingExtraError if there is nothing to serve the face with."""
+    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+        raise MissingExtraError("fatplan live needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -37,6 +64,16 @@ def serve(
     ] = None,
     host: Annotated[str, typer.Option("--host", help="Address of this machine.")] = "127.0.0.1",
     port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port; 0: any that is free.")] = 8765,
+    search: Annotated[
+        str | None,
+        typer.Option("--search", help="Policy of the experiment's benchmark that improves decisions, in time or not."),
+    ] = None,
+    unseen_limit: Annotated[
+        int, typer.Option("--unseen-limit", help="Cycles not seen, in a row, after which the schedule decides.")
+    ] = 20,
+    accept: Annotated[
+        bool, typer.Option("--accept", help="Begin a new segment where the journal's shift had another situation.")
+    ] = False,
     rehearsal: Annotated[
         bool, typer.Option("--rehearsal", help="Simulated time, which a client moves on. The journal says so.")
     ] = False,
@@ -47,10 +84,7 @@ def serve(
 
     Two tokens, to look and to act, are written beside the journal, into files that only you can read.
     """
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise MissingExtraError("fatplan live serve needs Starlette and uvicorn: pip install 'fatigue-planner[live]'.")
-    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
-    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+    need_server()
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.clock import RehearsalClock
     from fatigue_planner.live.face.guard import Tokens
@@ -59,35 +93,59 @@ def serve(
     from fatigue_planner.live.session import Session
 
     loaded = load_experiment(experiment)
-    known = loaded.benchmark.policies
-    if policy is not None and policy not in known:
-        raise SelectionError(f"--policy {policy}: not in the experiment's benchmark; available: {listed(known)}.")
-    conditions = loaded.benchmark.conditions
-    chosen = next(iter(conditions)) if condition is None else condition
-    if chosen not in conditions:
-        raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
-        )
-    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
-    task = replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+    settings, searching = policy_of(loaded, "policy", policy), policy_of(loaded, "search", search)
+    task = task_of(loaded, condition, cache, options.command_line("simulate", experiment, cache))
     with bound(host, port) as listening:
         talk().print("Compiling and running everything once ...")
-        settings = None if policy is None else known[policy]
+        began = time.perf_counter()
         clock = RehearsalClock(last_seconds(journal)) if rehearsal else None
-        with Session.open(journal, task, settings, deadline_s, safe_action, clock) as session:
+        with Session.open(
+            journal,
+            task,
+            settings,
+            deadline_s,
+            safe_action,
+            clock,
+            search=searching,
+            unseen_limit=unseen_limit,
+            accept=accept,
+            experiment=from_folder_of(journal, experiment),
+            cache=from_folder_of(journal, cache),
+        ) as session:
             tokens, view, act = Tokens.make()
             address = f"http://{host}:{listening.getsockname()[1]}"
             for right, token in (("view", view), ("act", act)):
                 write_token(journal.with_name(f"{journal.name}.{right}-token"), token)
             typer.echo(f"{address}/#{view}")
             talk().print(
-                f"Cycle {session.cycle} of {journal}. The line above is the page; the token to act is in "
+                f"Ready after {time.perf_counter() - began:.1f} s. Cycle {session.cycle} of {journal}. "
+                f"The line above is the page; the token to act is in "
                 f"{journal.name}.act-token; {address}/openapi.json describes the calls. Ctrl-C ends.",
                 markup=False,
             )
             serve(session, listening, tokens, clock)
+
+
+def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: str) -> "Scenario":
+    """The scenario of a condition, by default the first; `command` simulates its reactions. Raises SelectionError."""
+    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
+    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
+
+    conditions = loaded.benchmark.conditions
+    chosen = next(iter(conditions)) if condition is None else condition
+    if chosen not in conditions:
+        raise SelectionError(
+            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
+        )
+    profiles = load_cycle_profiles(loaded, cache, command)
+    warn(omissions(loaded, profiles))
+    possible = without_infeasible(loaded, profiles)
+    return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
+
+
+def from_folder_of(journal: Path, path: Path) -> str:
+    """Where a file or folder lies, from the journal's folder; the name of an experiment that ships as it is."""
+    return os.path.relpath(path, journal.parent) if path.exists() else str(path)
 
 
 @app.command(epilog=options.EXIT_CODES)
@@ -127,12 +185,16 @@ def export(
 def recover(
     journal: JournalFile,
     into: Annotated[Path, typer.Argument(metavar="NEW", help="The new journal.")],
+    from_cycle: Annotated[
+        int | None,
+        typer.Option("--from", metavar="CYCLE", help="Cycle to go on with. Default: the one after the last intact."),
+    ] = None,
     as_json: options.Json = False,
 ) -> None:
     """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
     from fatigue_planner.live.journal_file import recover
 
-    events = recover(journal, into)
+    events = recover(journal, into, from_cycle)
     options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)
 
 

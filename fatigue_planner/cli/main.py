@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli import cache, human, live, options, record
+from fatigue_planner.cli import cache, clients, human, live, options, record, shift_report
 from fatigue_planner.cli.assess import assess
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
@@ -36,6 +36,8 @@ COMMANDS = (
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
+live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
+live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
 for group in (human.app, cache.app, live.app, record.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 

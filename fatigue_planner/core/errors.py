@@ -138,6 +138,22 @@ class EvidenceError(FatplanError):
     """What was said of a cycle or a pause is no observation."""
 
 
+class FaceUnreachableError(FatplanError):
+    """The program that decides beside a robot does not answer."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+
+class FaceRefusedError(FatplanError):
+    """The program that decides beside a robot refuses what was said, with an HTTP status."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+    def __init__(self, code: int, reason: str) -> None:
+        super().__init__(f"refused with {code}: {reason}")
+        self.code = code
+
+
 class OtherSituationError(FatplanError):
     """A journal's shift was begun with another task, policy or version."""
 

@@ -9,6 +9,7 @@ from typing import Annotated
 from fatigue_planner.ergonomics.indicator import INDICATORS, Indicator
 from fatigue_planner.ergonomics.indicators.acceptable_effort import AcceptableEffort
 from fatigue_planner.ergonomics.indicators.arm_force_field import ArmForceField
+from fatigue_planner.ergonomics.indicators.cumulative_strain_index import CumulativeStrainIndex
 from fatigue_planner.ergonomics.indicators.duet import Duet
 from fatigue_planner.ergonomics.indicators.en_1005_4 import En10054
 from fatigue_planner.ergonomics.indicators.holding_time import HoldingTime
@@ -27,7 +28,7 @@ from fatigue_planner.ergonomics.stated import Shift
 
 KINDS = (
     Rula, Reba, Iso11226, En10054, Owas, NioshLifting, PercentCapable, AcceptableEffort, HoldingTime, L5S1Compression,
-    ArmForceField, LibertyMutual, StrainIndex, Duet,
+    ArmForceField, LibertyMutual, StrainIndex, CumulativeStrainIndex, Duet,
 )  # fmt: skip
 for kind in KINDS:
     INDICATORS.add(kind)

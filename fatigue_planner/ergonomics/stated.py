@@ -101,6 +101,17 @@ class Spell(Settings):
     break_h: float = Field(default=0, ge=0, le=24, description="Break, or other light work, after that, in h.")
 
 
+class OtherWork(Settings):
+    """What the same hands do elsewhere in the shift."""
+
+    strain_index: float = Field(
+        gt=0,
+        le=1000,
+        description="Its composite strain index at its hours, without unit: what the page of that station says.",
+    )
+    hours: float = Field(gt=0, le=24, description="How long it is done in the shift, breaks excluded, in h.")
+
+
 class Shift(Settings):
     """What is stated of the shift. What is left out is unknown."""
 
@@ -121,4 +132,7 @@ class Shift(Settings):
     )
     spells: tuple[Spell, ...] = Field(
         default=(), max_length=100, description="All times of this work in their order, instead of spell_h and break_h."
+    )
+    other_work: tuple[OtherWork, ...] = Field(
+        default=(), max_length=20, description="What the same hands do elsewhere in the shift: job rotation."
     )

@@ -1,4 +1,8 @@
-"""The revised strain index with its composite (Garg, Moore & Kapellusch 2017, Ergonomics 60, 912-922 and 923-932)."""
+"""The revised strain index (Garg, Moore & Kapellusch 2017, Ergonomics 60, 912-922), and what is made of several.
+
+The composite index (COSI) of one task and the cumulative index (CUSI) of a day (ibid. 1033-1041) add up alike: the
+worst first, and of each further one what it adds, by efforts per minute or by hours.
+"""
 
 import math
 from collections.abc import Sequence
@@ -66,4 +70,24 @@ def composite_index(efforts: Sequence[Effort], hours: float) -> float:
         per_minute += effort.per_minute
         added = frequency_multiplier(per_minute) - before
         index += strain_index(effort, hours) / frequency_multiplier(effort.per_minute) * added
+    return index
+
+
+class Task(NamedTuple):
+    """What a hand does for some hours of a day: its composite index at these hours."""
+
+    composite: float
+    hours: float
+
+
+def cumulative_index(tasks: Sequence[Task]) -> float:
+    """CUSI of the tasks of a day: the highest COSI, and what each further one adds by its hours.
+
+    Tasks that are alike are as one task of all their hours, and a single one keeps its COSI.
+    """
+    index, hours = 0.0, 0.0
+    for task in sorted(tasks, key=lambda task: -task.composite):
+        before = hours_multiplier(hours) if hours else 0.0
+        hours += task.hours
+        index += task.composite / hours_multiplier(task.hours) * (hours_multiplier(hours) - before)
     return index

@@ -6,9 +6,12 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from fatigue_planner.core.errors import EvidenceError, shortened
+from fatigue_planner.live.events import ClockSet, Slept
 
 BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 MAX_REHEARSAL_S = 366 * 86_400.0
+# A clock that is slewed, as NTP does it, has been set when that adds up to so much.
+CLOCK_STEP_S = 0.5
 
 
 class Clock(ABC):
@@ -37,6 +40,10 @@ class Clock(ABC):
     def origin(self) -> str:
         """What `seconds` counts from: `seconds` of the same origin can be compared."""
 
+    def slept_s(self) -> float:
+        """How many of its seconds the machine has been suspended."""
+        return 0.0
+
     def is_rehearsal(self) -> bool:
         """Whether what it shows is not the time: a journal written by such a clock is marked as a rehearsal's."""
         return True
@@ -60,9 +67,40 @@ class SystemClock(Clock):
         """See Clock.origin."""
         return self._origin
 
+    def slept_s(self) -> float:
+        """See Clock.slept_s."""
+        return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
     def is_rehearsal(self) -> bool:
         """See Clock.is_rehearsal."""
         return False
+
+
+class ClockWatch:
+    """Notices that the time of day was set, and that the machine was suspended."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._ahead_s, self._slept_s = self._now()
+
+    def stood(self, seconds: float, utc: str) -> None:
+        """What the clock and the time of day showed when it was last looked at."""
+        self._ahead_s = datetime.fromisoformat(utc).timestamp() - seconds
+
+    def look(self) -> list[ClockSet | Slept]:
+        """What has happened since it was last asked, or since `stood`."""
+        ahead_s, slept_s = self._now()
+        found: list[ClockSet | Slept] = []
+        if slept_s - self._slept_s >= CLOCK_STEP_S:
+            found.append(Slept(seconds=slept_s - self._slept_s))
+            self._slept_s = slept_s
+        if abs(ahead_s - self._ahead_s) >= CLOCK_STEP_S:
+            found.append(ClockSet(difference_s=ahead_s - self._ahead_s))
+            self._ahead_s = ahead_s
+        return found
+
+    def _now(self) -> tuple[float, float]:
+        return self._clock.utc().timestamp() - self._clock.seconds(), self._clock.slept_s()
 
 
 class RehearsalClock(Clock):

@@ -11,7 +11,7 @@ so none is given. Three assumptions:
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,21 +56,42 @@ class Doses:
 
 def doses(model: FatiguePomdp, cycles: Iterable[LivedCycle], period_s: float = HOUR_S) -> Doses:
     """The doses of cycles, by hours (or other periods) from the first to the last in which one ended."""
-    of_reaction = np.array([[profile.load_s for profile in row] for row in model.profiles])  # (A, U, 78)
-    loaded = np.flatnonzero(of_reaction.any(axis=(0, 1)))
-    of_reaction = of_reaction[:, :, loaded]
-    mean = np.zeros((0, loaded.size))
-    variance = mean.copy()
-    for cycle in cycles:
-        period = int(cycle.ended_s // period_s)
-        if period >= len(mean):
-            more = ((0, period + 1 - len(mean)), (0, 0))
-            mean, variance = np.pad(mean, more), np.pad(variance, more)
-        load_s = model.pace(cycle.duration_s).share * of_reaction[cycle.action]
-        expected = cycle.chances @ load_s
-        mean[period] += expected
-        variance[period] += cycle.chances @ np.square(load_s - expected)
-    return Doses(tuple(ENTRIES[entry] for entry in loaded), mean, np.sqrt(variance))
+    cycles = list(cycles)
+    loaded, of_reaction = _loads_s(model)
+    if not cycles:
+        nothing = np.zeros((0, loaded.size))
+        return Doses(tuple(ENTRIES[entry] for entry in loaded), nothing, nothing)
+    share = np.array([model.pace(cycle.duration_s).share for cycle in cycles])
+    load_s = share[:, None, None] * of_reaction[[cycle.action for cycle in cycles]]  # (N, U, n)
+    chances = np.array([cycle.chances for cycle in cycles])
+    mean = np.einsum("cu,cun->cn", chances, load_s)
+    variance = np.einsum("cu,cun->cn", chances, np.square(load_s - mean[:, None]))
+    period = np.array([int(cycle.ended_s // period_s) for cycle in cycles])
+    sums = np.zeros((period.max() + 1, 2, loaded.size))
+    np.add.at(sums, period, np.stack([mean, variance], axis=1))
+    return Doses(tuple(ENTRIES[entry] for entry in loaded), sums[:, 0], np.sqrt(sums[:, 1]))
+
+
+class RecentDoses:
+    """What a worker did in the last hour, by the numbers of the cycles."""
+
+    def __init__(self) -> None:
+        self._cycles: dict[int, LivedCycle] = {}
+
+    def add(self, number: int, cycle: LivedCycle) -> None:
+        """Another cycle; or one that was told late, in place of what it was taken for."""
+        before = self._cycles.get(number)
+        self._cycles[number] = cycle if before is None else replace(cycle, ended_s=before.ended_s)
+        self._forget(cycle.ended_s - HOUR_S)
+
+    def last_hour(self, model: FatiguePomdp, now_s: float) -> Doses:
+        """The doses of the hour before now, as one."""
+        self._forget(now_s - HOUR_S)
+        return doses(model, [replace(one, ended_s=0.0) for one in self._cycles.values()])
+
+    def _forget(self, until_s: float) -> None:
+        while self._cycles and next(iter(self._cycles.values())).ended_s <= until_s:
+            del self._cycles[next(iter(self._cycles))]
 
 
 def reaction_chances(before: Belief, action: int, likelihood: Vector) -> Vector:
@@ -103,3 +124,10 @@ def add_chances(arrays: object, states: Array, weights: Vector, action: int, cha
         outcome_probabilities(arrays, states[i], action, probabilities)
         for outcome in range(chances.size):
             chances[outcome] += weights[i] * probabilities[outcome]
+
+
+def _loads_s(model: FatiguePomdp) -> tuple[NDArray[np.intp], Array]:
+    """The entries that some reaction loads (n,), and how much every reaction does (A, U, n)."""
+    of_reaction = np.array([[profile.load_s for profile in row] for row in model.profiles])
+    loaded = np.flatnonzero(of_reaction.any(axis=(0, 1)))
+    return loaded, of_reaction[:, :, loaded]

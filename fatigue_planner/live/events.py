@@ -18,11 +18,32 @@ MAX_SECONDS = 129_600.0
 
 Seconds = Annotated[float, Field(ge=0, le=MAX_SECONDS)]
 Cycle = Annotated[int, Field(ge=1)]
-Fallback = Literal["none", "schedule", "safe_action"]
+# "policy": where a search should have improved its decision.
+Fallback = Literal["none", "policy", "schedule", "safe_action"]
+# What a recogniser says that saw the worker do none of the reactions; where the recognition does not know it.
+UNCLEAR = "unclear"
+Probability = Annotated[float, Field(ge=0, le=1)]
+
+
+class AlarmSettings(Settings):
+    """When a pause is wanted: the limit of fatigue, where it comes from, and when an acknowledged alarm is repeated.
+
+    The defaults are assumptions. No standard limits fatigue by Ma's law; a limit is the employer's to set.
+
+    >>> fp.AlarmSettings(limit=0.4, limit_source="risk assessment of cell 7").repeat_s
+    600.0
+    """
+
+    limit: Annotated[float, Field(gt=0, lt=1)] = 0.5
+    limit_source: Annotated[str, Field(max_length=200)] = "an assumption: half of the strength is gone"
+    repeat_s: Annotated[float, Field(ge=1, le=MAX_SECONDS)] = 600.0
 
 
 class Opened(Settings):
-    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`."""
+    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`.
+
+    experiment, cache: where they lie, from the journal's folder, for the report; "" where it is not known.
+    """
 
     kind: Literal["opened"] = "opened"
     format: int
@@ -36,14 +57,71 @@ class Opened(Settings):
     deadline_s: float
     versions: dict[str, str]
     origin: str  # of the clock
+    alarms: AlarmSettings | None = None  # None in journals that are older
     rehearsal: bool = False  # the clock was not the machine's
+    unseen_limit: int = 20  # cycles in a row of which nothing is known, after which the schedule decides
+    parts: dict[str, str] = Field(default_factory=dict)  # digests of the scenario's parts; none in older journals
+    sources: dict[str, str] = Field(default_factory=dict)  # digests of the program's sources; none in older journals
+    search: dict[str, Any] | None = None  # that improves decisions
+    accepted: tuple[str, ...] = ()  # what has changed since the segment before, as somebody has confirmed
+    experiment: str = ""
+    cache: str = ""
 
 
 class Resumed(Settings):
-    """The program started again and went on from what is before this event."""
+    """The program started again and went on from what is before this event.
+
+    away_s: seconds since then, by the clock; by the time of day if the machine was started anew.
+    """
 
     kind: Literal["resumed"] = "resumed"
     origin: str  # of the clock from now on
+    away_s: float = 0.0
+    alarms: AlarmSettings | None = None  # from now on
+
+
+class Recovered(Settings):
+    """What is before this event was copied from a damaged journal, and what came after it was left out.
+
+    intact: events that were not damaged; kept: those of them that were copied; cycle: the first that is to be done.
+    """
+
+    kind: Literal["recovered"] = "recovered"
+    intact: int
+    kept: int
+    cycle: int
+
+
+class Configured(Settings):
+    """From this cycle on decisions are made so."""
+
+    kind: Literal["config"] = "config"
+    cycle: Cycle
+    policy: dict[str, Any]
+    policy_sources: dict[str, str]
+    deadline_s: float
+    unseen_limit: int
+
+
+class ClockSet(Settings):
+    """The time of day was set by so many seconds beyond what has passed. No duration is measured by it."""
+
+    kind: Literal["clock"] = "clock"
+    difference_s: float
+
+
+class Slept(Settings):
+    """The machine was suspended for so long."""
+
+    kind: Literal["slept"] = "slept"
+    seconds: float
+
+
+class SearchFailed(Settings):
+    """The search that improves decisions gave no answer; without it the policy decides."""
+
+    kind: Literal["search_failed"] = "search_failed"
+    why: str
 
 
 class Decided(Settings):
@@ -90,6 +168,11 @@ class Observed(Settings):
     def is_blind(self) -> bool:
         """Whether something could have been seen, but was not."""
         return self.observation is None and self.likelihood is None and not self.off
+
+    @property
+    def is_unclear(self) -> bool:
+        """Whether the worker was seen to do none of the reactions."""
+        return self.observation == UNCLEAR
 
     def without_worker(self) -> "Observed":
         """What is kept of it where the belief is off: cycle and action."""
@@ -144,6 +227,35 @@ class Noted(Settings):
     text: Annotated[str, Field(max_length=MAX_NOTE_LENGTH)]
 
 
+class Alarmed(Settings):
+    """An alarm was raised, or repeated after it had been acknowledged: an entry is above the limit, and pauses help.
+
+    probability: that it is above. pause_s: after which it is relieved; None: no pause is long enough.
+    """
+
+    kind: Literal["alarmed"] = "alarmed"
+    cycle: Cycle
+    entry: str
+    probability: Probability
+    pause_s: float | None
+    repeated: bool = False
+
+
+class Acknowledged(Settings):
+    """Somebody has seen these alarms."""
+
+    kind: Literal["acknowledged"] = "acknowledged"
+    entries: tuple[str, ...]
+
+
+class Cleared(Settings):
+    """An entry is clearly below the limit again."""
+
+    kind: Literal["cleared"] = "cleared"
+    cycle: Cycle
+    entry: str
+
+
 class Closed(Settings):
     """The session was closed in good order."""
 
@@ -154,6 +266,11 @@ Input = Observed | Skipped | Rested | WorkerChanged | Advice
 Event = (
     Opened
     | Resumed
+    | Recovered
+    | Configured
+    | ClockSet
+    | Slept
+    | SearchFailed
     | Decided
     | Executed
     | Observed
@@ -163,6 +280,9 @@ Event = (
     | Advice
     | Contradicted
     | Noted
+    | Alarmed
+    | Acknowledged
+    | Cleared
     | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

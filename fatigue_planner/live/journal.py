@@ -10,7 +10,7 @@ from collections import deque
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import NamedTuple, Self
 
 from fatigue_planner.core.errors import OutputFolderError
 from fatigue_planner.live.events import Event
@@ -19,7 +19,29 @@ from fatigue_planner.live.journal_file import Stored, body_of, create, lock, pse
 # A process that was killed is started again so often; one whose commit has failed is not.
 MAX_RESTARTS = 3
 CLOSE_WAIT_S = 30.0
-STOP = b""
+
+
+class Queued(NamedTuple):
+    """What waits to be written: an event, what a worker's number stands for, or nothing, which ends the journal.
+
+    number: of the last event before or of this one.
+    """
+
+    number: int
+    row: tuple[Event, float, str] | None = None
+    worker: list[str] | None = None
+
+    @property
+    def is_end(self) -> bool:
+        """Whether nothing comes after it."""
+        return self.row is None and self.worker is None
+
+    def line(self) -> bytes:
+        """As the process that writes reads it."""
+        if self.row is None:
+            return json.dumps({"worker": self.worker}).encode() + b"\n"
+        event, seconds, utc = self.row
+        return json.dumps({"row": [self.number, seconds, utc, body_of(event)]}).encode() + b"\n"
 
 
 class Journal:
@@ -56,22 +78,24 @@ class Journal:
             self._held.close()
             raise
         self._handed_over: deque[tuple[int, bytes]] = deque()
-        self._queue: queue.SimpleQueue[tuple[int, bytes]] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Queued] = queue.SimpleQueue()
         self._durable = threading.Condition()
         self._thread = threading.Thread(target=self._pump, name="fatplan journal", daemon=True)
         self._thread.start()
 
     def append(self, event: Event, seconds: float, utc: str) -> int:
-        """Hand an event over and return its number at once; it is durable when `durable_up_to` has reached that."""
+        """Hand an event over and return its number at once; it is durable when `durable_up_to` has reached that.
+
+        Its text is made in the journal's thread: no answer waits for that.
+        """
         self._next += 1
-        row = [self._next, seconds, utc, body_of(event)]
-        self._queue.put((self._next, json.dumps({"row": row}).encode() + b"\n"))
+        self._queue.put(Queued(self._next, (event, seconds, utc)))
         return self._next
 
     def join(self, random: str, pseudonym: str) -> None:
         """Note which pseudonym a worker's random number stands for, in the table that can be erased."""
         self.workers[pseudonym] = random
-        self._queue.put((self._next, json.dumps({"worker": [random, pseudonym]}).encode() + b"\n"))
+        self._queue.put(Queued(self._next, worker=[random, pseudonym]))
 
     def wait(self, number: int, timeout_s: float) -> bool:
         """Wait until an event is durable; whether it is."""
@@ -82,7 +106,7 @@ class Journal:
 
     def close(self) -> None:
         """Write what was handed over and end the process that writes. Raises OutputFolderError if not all could be."""
-        self._queue.put((self._next, STOP))
+        self._queue.put(Queued(self._next))
         self._thread.join(CLOSE_WAIT_S)
         self._held.close()
         if self.fault or self.durable_up_to < self._next:
@@ -114,8 +138,8 @@ class Journal:
             with suppress(queue.Empty):
                 while True:
                     batch.append(self._queue.get_nowait())
-            self._handed_over.extend(one for one in batch if one[1])
-            running = self._deliver() and all(line for _, line in batch)
+            self._handed_over.extend((one.number, one.line()) for one in batch if not one.is_end)
+            running = self._deliver() and not any(one.is_end for one in batch)
         self._end()
 
     def _deliver(self) -> bool:

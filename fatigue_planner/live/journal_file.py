@@ -16,9 +16,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from urllib.parse import quote
 
-from fatigue_planner.core.errors import DamagedJournalError, JournalInUseError, OtherVersionError, OutputFolderError
+from fatigue_planner.core.errors import (
+    CycleError,
+    DamagedJournalError,
+    JournalInUseError,
+    OtherVersionError,
+    OutputFolderError,
+)
 from fatigue_planner.core.files import canonical_json, publish
-from fatigue_planner.live.events import ANY_EVENT, FORMAT, Event, Observed, Opened, Skipped
+from fatigue_planner.live.events import ANY_EVENT, FORMAT, Event, Observed, Opened, Recovered, Skipped
 
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS event (
@@ -87,20 +93,33 @@ def read_journal(path: Path) -> list[Stored]:
     return events
 
 
-def recover(path: Path, into: Path) -> list[Stored]:
-    """Copy what is intact of a damaged journal, from its beginning, to a new one; its events.
+def recover(path: Path, into: Path, from_cycle: int | None = None) -> list[Stored]:
+    """Copy what is intact of a damaged journal, from its beginning, to a new one, and note that; the events copied.
 
-    Raises OutputFolderError if the new one is there or cannot be written, or the old one is no journal.
+    from_cycle: the cycle to go on with, of the shift that was opened last; by default the one after the last intact.
+
+    Raises OutputFolderError if the new one is there or cannot be written, or the old one is no journal; CycleError if
+    it is not intact so far.
     """
     events, _ = _intact(path)
     if into.exists():
         raise OutputFolderError(f"{into}: is there already; choose another name.")
+    intact, last = len(events), _last_cycle(events)
+    cycle = last + 1 if from_cycle is None else from_cycle
+    if not 1 <= cycle <= last + 1:
+        raise CycleError(f"cycle {cycle}: cannot be gone on with; the journal is intact up to cycle {last}.")
+    if cycle <= last:
+        events = events[: _before_the_end_of(events, cycle)]
     workers = pseudonyms(path) if events else {}
 
     def write(temporary: Path) -> None:
         create(temporary)
         with closing(connect(temporary)) as connection:
-            append(connection, BEGINNING, [(one.number, one.seconds, one.utc, body_of(one.event)) for one in events])
+            rows = [(one.number, one.seconds, one.utc, body_of(one.event)) for one in events]
+            if rows:
+                note = Recovered(intact=intact, kept=len(rows), cycle=cycle)
+                rows.append((len(rows), *rows[-1][1:3], body_of(note)))
+            append(connection, BEGINNING, rows)
             connection.executemany("INSERT INTO worker VALUES (?, ?)", workers.items())
             connection.execute("PRAGMA journal_mode = DELETE")
 
@@ -205,10 +224,34 @@ def _intact(path: Path) -> tuple[list[Stored], str]:
     return events, ""
 
 
+def _last_cycle(events: list[Stored]) -> int:
+    """The last cycle of the shift that was opened last."""
+    last = 0
+    for one in events:
+        if isinstance(one.event, Opened):
+            last = 0
+        elif isinstance(one.event, Observed | Skipped):
+            last = max(last, one.event.cycle)
+    return last
+
+
+def _before_the_end_of(events: list[Stored], cycle: int) -> int:
+    """How many events there are before the end of a cycle of the shift that was opened last."""
+    number = len(events)
+    while number > 0 and not isinstance(events[number - 1].event, Opened):
+        number -= 1
+    while number < len(events):
+        event = events[number].event
+        if isinstance(event, Observed | Skipped) and event.cycle == cycle:
+            break
+        number += 1
+    return number
+
+
 def _damage(path: Path, events: list[Stored]) -> str:
-    cycles = [one.event.cycle for one in events if isinstance(one.event, Observed | Skipped)]
     return (
         f"{path}: event {len(events)} is not what was written; the file was altered or damaged. Intact are "
-        f"{len(events)} events, up to cycle {max(cycles, default=0)}. Nothing was changed. "
-        f"`fatplan live recover {path} NEW` copies them to a new journal, with which to go on."
+        f"{len(events)} events, up to cycle {_last_cycle(events)}. Nothing was changed. "
+        f"`fatplan live recover {path} NEW` copies them to a new journal, with which to go on; "
+        "--from CYCLE goes on with an earlier cycle."
     )

@@ -4,11 +4,10 @@ No network, and no disk between a question and its answer. The decision after a 
 that may be recognised, and for none, while the worker works; what is answered then is read from a table.
 """
 
-import math
 import secrets
 import threading
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -20,20 +19,22 @@ from fatigue_planner.core.errors import (
     ContradictionError,
     CycleError,
     EvidenceError,
-    OtherSituationError,
     OutputFolderError,
     SelectionError,
     listed,
     shortened,
 )
-from fatigue_planner.core.provenance import versions
-from fatigue_planner.live.clock import Clock, SystemClock
+from fatigue_planner.live import said
+from fatigue_planner.live.clock import Clock, ClockWatch, SystemClock
 from fatigue_planner.live.events import (
-    FORMAT,
     MAX_NOTE_LENGTH,
     MAX_SECONDS,
+    UNCLEAR,
+    Acknowledged,
     Advice,
+    AlarmSettings,
     Closed,
+    Configured,
     Contradicted,
     Decided,
     Event,
@@ -45,24 +46,28 @@ from fatigue_planner.live.events import (
     Opened,
     Rested,
     Resumed,
+    SearchFailed,
     Skipped,
     WorkerChanged,
 )
+from fatigue_planner.live.fit import Fit
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
-from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Choice, Shift
-from fatigue_planner.live.state import Counts, Robot, SessionState, joint_fatigue
+from fatigue_planner.live.opening import changes, opening, refuse, since_opened
+from fatigue_planner.live.pauses import Levels
+from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, from_json, made
+from fatigue_planner.live.searcher import Searcher, Task, unsearched
+from fatigue_planner.live.shift import Choice, Shift
+from fatigue_planner.live.state import DEGRADED_AFTER, Counts, Robot, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
+from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
+from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
 
-DEFAULT_POLICY = {"kind": "lookahead", "depth": 2, "leaf_value": "bound"}
 # What passes between two cycles of a running robot is no rest.
 MIN_IDLE_S = 1.0
-# After so many cycles of which nothing was seen, the belief says little: the schedule decides.
-UNSEEN_LIMIT = 20
-MAX_PSEUDONYM_LENGTH = 64
 
 
 @dataclass(frozen=True)
@@ -100,19 +105,30 @@ class Session:
     """
 
     def __init__(
-        self, journal: Journal, shift: Shift, adviser: Adviser, table: Table, deadline_s: float, clock: Clock
+        self,
+        journal: Journal,
+        shift: Shift,
+        rules: Rules,
+        safe_action: int,
+        watch: Watch,
+        search: PolicySettings | None,
+        clock: Clock,
     ) -> None:
         """See `open`, which makes sessions."""
-        self._journal, self._shift, self._adviser, self._table = journal, shift, adviser, table
-        self._deadline_s, self._clock = deadline_s, clock
-        self._lock = threading.Lock()
+        self._journal, self._shift, self._clock = journal, shift, clock
+        self._rules, self._coming, self._safe_action = rules, rules, safe_action
+        self._searcher = None if search is None else Searcher(shift.scenario, search, shift.session, self._found)
+        self._table = Table(shift, rules.for_table, *([self._searcher.search] if self._searcher else []))
+        self._watch, self._clock_watch, self._fit = watch, ClockWatch(clock), Fit()
+        self._table.look, self._table.foresee = self._look, self._foresee
+        self._lock, self._changing = threading.Lock(), threading.Lock()
         self._pending: CycleDecision | None = None
         self._prepared: Choice | None = None
         self._recorded = -1
         # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
         self._told: Executed | None = None
         self._robot_cycle, self._robot_silent = 0, False
-        # by the clock: when the last cycle or pause ended, and when workers who are away had left
+        # by the clock: when the last cycle or pause ended, and when that was of workers who are away
         self._ended_s = clock.seconds()
         self._left_s: dict[str, float] = {}
         self.counts = Counts()
@@ -126,55 +142,67 @@ class Session:
         deadline_s: float = 0.05,
         safe_action: str | None = None,
         clock: Clock | None = None,
+        alarms: AlarmSettings | None = None,
+        search: str | Mapping[str, Any] | PolicySettings | None = None,
+        unseen_limit: int = UNSEEN_LIMIT,
+        accept: bool = False,
+        experiment: str = "",
+        cache: str = "",
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
         policy: by default an exact lookahead over two cycles with cyclic plans beyond. deadline_s: what takes longer is
             counted as late. safe_action: what is left to do where nothing else decides; by default the action that
-            costs least in the first cycle. clock: by default the machine's.
+            costs least in the first cycle. clock: by default the machine's. alarms: when a pause is wanted, from now
+            on. search: a policy that improves decisions while the worker works, in a process of its own; where it gave
+            no answer the first policy decides. unseen_limit: after so many cycles in a row of which nothing is known
+            the schedule decides. accept: where the journal's shift had another situation, begin a new segment, which
+            knows nothing of the one before. experiment, cache: where the report finds them, from the journal's folder.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
         """
         settings = policy_settings(DEFAULT_POLICY if policy is None else policy)
-        clock = clock or SystemClock()
+        searching = None if search is None else policy_settings(search)
+        if searching is not None and searching.knows != settings.knows:
+            raise SelectionError(f"search: should know what the policy does (knows: {settings.knows}).")
+        clock, alarms = clock or SystemClock(), alarms or AlarmSettings()
         model = scenario.model
-        if not 0 < deadline_s < math.inf:
-            raise SelectionError(f"deadline_s = {deadline_s}: should be a positive number of seconds.")
-        trial = Shift(scenario, settings, "")
         if safe_action is None:
+            trial = Shift(scenario, settings, "")
             safe_action = model.actions[int(trial.belief.expected_rewards().argmax())]
         elif safe_action not in model.actions:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
-        adviser, for_table = (Adviser(scenario, settings, model.actions.index(safe_action)) for _ in range(2))
-        warm_up(trial, adviser, deadline_s)
-        opened = Opened(
-            format=FORMAT,
-            session=secrets.token_hex(8),
-            scenario=scenario.digest,
-            scenario_name=scenario.name,
-            actions=model.actions,
-            policy=settings.plain(),
-            policy_sources=settings.sources(),
-            safe_action=safe_action,
-            deadline_s=deadline_s,
-            versions=versions(),
-            origin=clock.origin(),
-            rehearsal=clock.is_rehearsal(),
+        safe = model.actions.index(safe_action)
+        rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
+        opened = opening(scenario, rules, safe_action, clock, alarms).model_copy(
+            update={
+                "search": None if searching is None else searching.plain(),
+                "experiment": experiment,
+                "cache": cache,
+            }
         )
         written = Journal(Path(journal))
         try:
-            events = _since_opened(written.events)
+            events = since_opened(written.events)
             found = events[0].event if events else opened
             assert isinstance(found, Opened)
-            _check_same(found, opened, Path(journal))
+            if changed := changes(found, opened):
+                if not accept:
+                    refuse(changed, Path(journal))
+                opened, events = opened.model_copy(update={"accepted": tuple(changed)}), []
+                found = opened
             shift = Shift(scenario, settings, found.session)
-            session = cls(written, shift, adviser, Table(shift, for_table), deadline_s, clock)
-            if not events:
-                session._record(opened)
-            else:
-                session._replay(events)
-                session._record(Resumed(origin=clock.origin()))
+            watch = Watch(model, alarms, shift.likelihood)
+            session = cls(written, shift, rules, safe, watch, searching, clock)
+            try:
+                if events:
+                    session._resume(events, opened)
+                else:
+                    session._record(opened)
+            except BaseException:
+                session._stop()
+                raise
         except BaseException:
             written.close()
             raise
@@ -201,10 +229,9 @@ class Session:
         a cycle that is neither going on nor among the last ones, ContradictionError if something else was said before.
         """
         with self._turn() as began:
-            actions = self._shift.scenario.model.actions
-            if action is not None and action not in actions:
-                raise EvidenceError(f"action {shortened(action)}: should be one of {listed(actions)}.")
-            self._check_cycle(cycle)
+            if action is not None:
+                said.check_action("action", action, self._shift.scenario.model)
+            said.check_cycle(cycle, self._shift)
             event = Executed(cycle=cycle, action=action)
             before = self._shift.recent(cycle)
             if cycle == self._shift.cycle:
@@ -244,7 +271,7 @@ class Session:
             before = self._shift.recent(cycle)
             if before is None:
                 self._end(event.model_copy(update={"idle_s": self._idle(event)}))
-            elif _says_the_same(event, before):
+            elif said.says_the_same(event, before):
                 pass
             elif isinstance(before, Observed) and before.is_blind:
                 self._take(event.model_copy(update={"idle_s": before.idle_s, "late": True}))
@@ -252,26 +279,32 @@ class Session:
                 self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
-    def skip(self, duration_s: float | None = None) -> CycleDecision:
-        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision."""
+    def skip(self, duration_s: float | None = None, cycle: int | None = None) -> CycleDecision:
+        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision.
+
+        cycle: with it, what is said again changes nothing. Raises CycleError if it is another than the one going on and
+        was not skipped.
+        """
         with self._turn() as began:
+            if cycle is not None and cycle != self._shift.cycle:
+                said.check_cycle(cycle, self._shift)
+                if not isinstance(self._shift.recent(cycle), Skipped):
+                    raise CycleError(f"cycle {cycle}: was observed, and cannot be skipped any more.")
+                return self._decided(began)
             passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
-            seconds = _seconds("duration_s", passed_s if duration_s is None else duration_s)
+            seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
             self._end(Skipped(cycle=self._shift.cycle, duration_s=seconds))
             return self._decided(began)
 
     def rest(self, seconds: float) -> CycleDecision:
         """A pause of so many seconds before this cycle; the decision, which is made anew."""
         with self._turn() as began:
-            self._take(Rested(seconds=_seconds("seconds", seconds)))
+            self._take(Rested(seconds=said.seconds("seconds", seconds)))
             return self._decided(began)
 
     def worker(self, pseudonym: str) -> CycleDecision:
         """From now on another worker, by a pseudonym; one who was here before has rested in between."""
-        if not isinstance(pseudonym, str) or not 0 < len(pseudonym.strip()) <= MAX_PSEUDONYM_LENGTH:
-            raise SelectionError(
-                f"pseudonym {shortened(pseudonym)}: should be a text of 1 to {MAX_PSEUDONYM_LENGTH} characters."
-            )
+        pseudonym = said.pseudonym(pseudonym)
         with self._turn() as began:
             random = self._journal.workers.get(pseudonym)
             if random is None:
@@ -293,13 +326,57 @@ class Session:
             self._take(Advice(on=on))
             return self._decided(began)
 
+    def configure(
+        self,
+        deadline_s: float | None = None,
+        unseen_limit: int | None = None,
+        policy: str | Mapping[str, Any] | PolicySettings | None = None,
+    ) -> CycleDecision:
+        """Decide otherwise from the next cycle on, see `open`; what is not given stays. It is compiled and tried first.
+
+        Actions, preferences and what a policy knows cannot be changed in a shift. Raises SelectionError.
+        """
+        if deadline_s is None and unseen_limit is None and policy is None:
+            raise SelectionError("nothing is to be changed: give deadline_s, unseen_limit or policy.")
+        with self._changing:
+            now = self._coming
+            settings = now.settings if policy is None else policy_settings(from_json(policy))
+            if settings.knows != self._shift.settings.knows:
+                raise SelectionError(f"policy: what it knows ({now.settings.knows}) cannot be changed in a shift.")
+            rules = made(
+                self._shift.scenario,
+                settings,
+                now.deadline_s if deadline_s is None else deadline_s,
+                now.unseen_limit if unseen_limit is None else unseen_limit,
+                self._safe_action,
+                1,
+            )
+            with self._turn() as began:
+                rules = replace(rules, cycle=self._shift.cycle + 1)
+                self._record(rules.event())
+                self._rule(rules)
+                self._prepare()
+                return self._decided(began)
+
+    def acknowledge(self) -> None:
+        """Somebody has seen the alarms that are on; they are told again if they still are after `repeat_s`."""
+        self._look()
+        with self._lock:
+            entries = tuple(one.entry for one in self._watch.alarms.now() if not one.acknowledged)
+            if entries:
+                self._tell(Acknowledged(entries=entries))
+
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
-        with self._lock:
-            self._record(Noted(text=text[:MAX_NOTE_LENGTH]))
+        with self._turn():
+            try:
+                self._record(Noted(text=text[:MAX_NOTE_LENGTH]))
+            except ValueError as error:
+                raise EvidenceError(f"text {shortened(text)}: should be a text.") from error
 
     def state(self) -> SessionState:
         """Where the shift stands, for people to look at."""
+        levels = self._look()
         with self._lock:
             pending = self._pending
             return SessionState(
@@ -310,12 +387,17 @@ class Session:
                 worker=self._shift.worker,
                 advised=self._shift.advised,
                 counts=replace(self.counts),
+                planned_s=self._shift.planned_s,
                 joints=joint_fatigue(self._shift.belief) if self._shift.advised else (),
+                pauses=pauses(self._watch, levels, self._shift, self._clock.seconds()),
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
+                surprises=self._fit.surprises,
+                fits=self._fit.holds,
             )
 
     @property
@@ -330,8 +412,8 @@ class Session:
 
     def close(self) -> None:
         """End the session in good order. Raises OutputFolderError if not everything could be recorded."""
+        self._stop()
         with self._lock:
-            self._table.close()
             self._record(Closed())
             self._journal.close()
 
@@ -344,20 +426,32 @@ class Session:
         with suppress(OutputFolderError) if error else nullcontext():
             self.close()
 
+    def _stop(self) -> None:
+        """End what works beside. Not to be called in a turn, for which a thread may be waiting."""
+        if self._searcher:
+            self._searcher.close()
+        self._table.close()
+
     @contextmanager
     def _turn(self) -> Iterator[float]:
-        """One call at a time; when it began."""
+        """One call at a time; when it began, by a clock that stands while the machine sleeps."""
         began = time.perf_counter()
         with self._lock:
+            for event in self._clock_watch.look():
+                self._record(event)
+            for why in self._searcher.faults() if self._searcher else ():
+                self._record(SearchFailed(why=why))
             yield began
 
     def _decided(self, began: float) -> CycleDecision:
         if self._pending is None:
             cycle, prepared = self._shift.cycle, self._prepared
-            if not self._shift.advised or self.counts.unseen_in_a_row >= UNSEEN_LIMIT:
-                choice, prepared = self._adviser.without_belief(cycle), None
+            rules = self._rules
+            if not self._shift.advised or self.counts.unseen_in_a_row >= rules.unseen_limit:
+                choice, prepared = rules.adviser.without_belief(cycle), None
             else:
-                choice = prepared or self._adviser.choose(self._shift.belief, cycle)
+                choice = prepared or rules.adviser.choose(self._shift.belief, cycle)
+                choice = unsearched(choice) if self._searcher else choice
             took_s = time.perf_counter() - began
             event = Decided(
                 cycle=cycle,
@@ -365,11 +459,10 @@ class Session:
                 reason=choice.reason,
                 fallback=choice.fallback,
                 prepared=prepared is not None,
-                late=took_s > self._deadline_s,
+                late=took_s > rules.deadline_s,
                 duration_s=took_s,
             )
-            self._record(event)
-            self._account(event)
+            self._tell(event)
             self._stand(event)
             self._prepare()
         assert self._pending is not None
@@ -407,20 +500,8 @@ class Session:
         return "answers" if self._robot_cycle else "unknown"
 
     def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
-        contradiction = Contradicted(cycle=event.cycle, said=body_of(event))
-        self._record(contradiction)
-        self._account(contradiction)
+        self._tell(Contradicted(cycle=event.cycle, said=body_of(event)))
         raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
-
-    def _check_cycle(self, cycle: object) -> None:
-        """Raise CycleError unless something may be said of this cycle."""
-        if isinstance(cycle, bool) or not isinstance(cycle, int) or cycle < 1:
-            raise CycleError(f"cycle {shortened(cycle)}: should be a number from 1.")
-        if cycle != self._shift.cycle and self._shift.recent(cycle) is None:
-            raise CycleError(
-                f"cycle {cycle}: cannot be observed; the cycle going on is {self._shift.cycle}, and "
-                f"only the last {LATE_CYCLES} before it may be told late."
-            )
 
     def _checked(
         self,
@@ -431,8 +512,7 @@ class Session:
         duration_s: float | None,
     ) -> Observed:
         """What was said of a cycle. Raises EvidenceError, CycleError."""
-        model = self._shift.scenario.model
-        self._check_cycle(cycle)
+        said.check_cycle(cycle, self._shift)
         before = self._shift.recent(cycle)
         told = None if cycle != self._shift.cycle or self._told is None else self._told.action
         if executed is None:
@@ -440,21 +520,7 @@ class Session:
             executed = told or getattr(decided, "action", None) or getattr(decided, "executed", None)
             if executed is None:
                 raise CycleError(f"cycle {cycle}: nothing was decided for it; say what the robot did (executed).")
-        if executed not in model.actions:
-            raise EvidenceError(f"executed {shortened(executed)}: should be one of {listed(model.actions)}.")
-        if observation is not None and likelihood is not None:
-            raise EvidenceError("observation and likelihood: give one of them.")
-        if observation is not None and observation not in model.observations:
-            raise EvidenceError(f"observation {shortened(observation)}: should be one of {listed(model.observations)}.")
-        if likelihood is not None:
-            likelihood = _likelihood(likelihood, model.outcomes)
-        event = Observed(
-            cycle=cycle,
-            executed=executed,
-            observation=observation,
-            likelihood=likelihood,
-            duration_s=None if duration_s is None else _seconds("duration_s", duration_s),
-        )
+        event = said.observed(cycle, executed, observation, likelihood, duration_s, self._shift.scenario.model)
         event = self._kept(event, before)
         if told is not None and executed != told:
             self._contradict(event, f"the robot did {told}, as it said itself")
@@ -486,32 +552,101 @@ class Session:
 
     def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
         """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
-        self._account(event)
+        is_metered = isinstance(event, Observed) and self._shift.advised
+        before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
+        self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
-            self._left_s[self._shift.worker] = at_s
+            self._left_s[self._shift.worker] = self._ended_s  # what has passed since then was rest
         self._shift.take(event, prepared.belief if prepared else None)
-        self.counts.surprised += self._shift.belief.surprised and isinstance(event, Observed)
         if isinstance(event, Observed) and event.late:
             return
+        if isinstance(event, Observed):
+            unknown = event.is_unclear and UNCLEAR not in self._shift.scenario.model.observations
+            surprised = not event.off and (self._shift.belief.surprised or unknown)
+            self.counts.surprised += surprised
+            self._fit.add(event, surprised)
+        elif isinstance(event, WorkerChanged):
+            self._fit.change(event.worker)
         if isinstance(event, Advice):
             self._prepared = None
+            if not event.on:
+                self._fit.forget()
             return
         self._pending = None
+        if self._shift.cycle >= self._coming.cycle:
+            self._rules = self._coming
         if isinstance(event, Observed | Skipped):
             self._told = None
             # the robot need not speak of a cycle in which it did nothing
             self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
-        if isinstance(event, Rested):
-            self._ended_s = min(self._ended_s + event.seconds, at_s)
-        else:
-            self._ended_s = at_s
+        self._ended_s = min(self._ended_s + event.seconds, at_s) if isinstance(event, Rested) else at_s
 
-    def _account(self, event: Event) -> None:
+    def _tell(self, event: Event) -> None:
+        """Record an event that is no input, and stand where it leads."""
+        self._record(event)
+        self._account(event, self._clock.seconds())
+
+    def _account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
+        """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
         self.counts.add(event, None if self._pending is None else self._pending.action)
+        self._watch.account(event, at_s, self._shift.worker, before)
+
+    def _look(self) -> Levels:
+        """Look at the belief, and tell the alarms that are due. Not to be called in a turn."""
+        belief = self._shift.belief
+        levels = self._watch.look(belief)
+        with self._lock:
+            if belief is self._shift.belief and self._shift.advised:
+                for event in self._watch.alarms.due(levels.robot, self._shift.cycle, self._clock.seconds()):
+                    self._tell(event)
+        return levels
+
+    def _foresee(self, has_ended: Callable[[], bool]) -> None:
+        """Find out what will pass the limit, as long as the cycle goes on."""
+        with self._lock:
+            belief, cycle, is_known = self._shift.belief, self._shift.cycle, self._shift.advised
+            by_belief = self.counts.unseen_in_a_row < self._rules.unseen_limit
+
+        def plan(then: Belief, n: int) -> int:
+            if has_ended():
+                raise InterruptedError
+            adviser = self._table.adviser
+            choice = adviser.choose(then, cycle + n) if by_belief else adviser.without_belief(cycle + n)
+            return choice.action
+
+        if is_known:
+            with suppress(InterruptedError):
+                self._watch.foresee(belief, cycle, plan)
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
             self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc().isoformat())
+
+    def _rule(self, rules: Rules) -> None:
+        """Decide by these from their cycle on."""
+        self._coming = rules
+        self._table.adviser = rules.for_table
+
+    def _found(self, task: Task, choice: Choice) -> bool:
+        return self._table.improve(task, choice)
+
+    def _resume(self, events: list[Stored], now: Opened) -> None:
+        """Go on with the journal's shift. What decides is as it was last, but for what is given otherwise now."""
+        self._replay(events)
+        last, origin = events[-1], self._clock.origin()
+        known = [one.event.origin for one in events if isinstance(one.event, Opened | Resumed)]
+        if known[-1] == origin:
+            self._clock_watch.stood(last.seconds, last.utc)
+        away_s = max(self._clock.seconds() - self._now(last, known[-1]), 0.0)
+        self._record(Resumed(origin=origin, away_s=away_s, alarms=now.alarms))
+        begun = events[0].event
+        assert isinstance(begun, Opened)
+        given = (now.deadline_s, now.unseen_limit)
+        if given not in ((begun.deadline_s, begun.unseen_limit), (self._coming.deadline_s, self._coming.unseen_limit)):
+            rules = replace(self._coming, cycle=self._shift.cycle, deadline_s=given[0], unseen_limit=given[1])
+            self._record(rules.event())
+            self._rule(rules)
+            self._rules = rules
 
     def _replay(self, events: list[Stored]) -> None:
         """Stand where the journal's shift stands; its events begin with that of its opening."""
@@ -524,11 +659,15 @@ class Session:
             if isinstance(event, Input):
                 self._go_on(event, self._now(stored, origin))
                 continue
-            self._account(event)
+            self._account(event, self._now(stored, origin))
             if isinstance(event, Decided):
                 self._stand(event)
             elif isinstance(event, Executed):
                 self._hear(event)
+            elif isinstance(event, Configured):
+                self._rule(self._as_before(event))
+                if event.cycle <= self._shift.cycle:
+                    self._rules = self._coming
         self._prepare()
 
     def _now(self, stored: Stored, origin: str) -> float:
@@ -538,79 +677,10 @@ class Session:
         ago_s = (self._clock.utc() - datetime.fromisoformat(stored.utc).astimezone(UTC)).total_seconds()
         return self._clock.seconds() - max(ago_s, 0.0)
 
-
-def warm_up(shift: Shift, adviser: Adviser, deadline_s: float) -> None:
-    """Compile everything by running it on a shift that is thrown away.
-
-    Raises SelectionError if a decision takes longer than the deadline even then.
-    """
-    model = shift.scenario.model
-    shift.belief.warm_up()
-    times_s: dict[tuple[str | None, str], float] = {}  # of the fastest turn: another program may disturb the others
-    for turn in range(3):
-        for seen in (None, *model.observations):
-            for action in model.actions:
-                event = Observed(cycle=shift.cycle, executed=action, observation=seen, idle_s=60.0 * turn)
-                shift.take(event)
-                begin = time.perf_counter()
-                adviser.choose(shift.belief, shift.cycle)
-                took_s = time.perf_counter() - begin
-                times_s[seen, action] = min(took_s, times_s.get((seen, action), took_s))
-        even = dict.fromkeys(model.outcomes, 1.0)
-        shift.take(Observed(cycle=shift.cycle, executed=model.actions[0], likelihood=even, duration_s=1.0))
-    slowest_s = max(times_s.values())
-    if slowest_s > deadline_s:
-        raise SelectionError(
-            f"the policy took {1000 * slowest_s:.0f} ms for a decision, more than deadline_s = {deadline_s:g}; choose "
-            "one that looks less far ahead, or a later deadline."
-        )
-
-
-def _since_opened(events: list[Stored]) -> list[Stored]:
-    """The events of the shift that was opened last; none in a new journal."""
-    opened = [number for number, one in enumerate(events) if isinstance(one.event, Opened)]
-    return events[opened[-1] :] if opened else []
-
-
-def _check_same(before: Opened, now: Opened, path: Path) -> None:
-    """Raise OtherSituationError unless both are of the same shift."""
-    parts = {
-        "the scenario (task, worker, reactions or belief)": (before.scenario, now.scenario),
-        "the actions": (before.actions, now.actions),
-        "the policy": ((before.policy, before.policy_sources), (now.policy, now.policy_sources)),
-        "the safe action": (before.safe_action, now.safe_action),
-        "the program's version": (before.versions, now.versions),
-        "the clock (the machine's, or a rehearsal's)": (before.rehearsal, now.rehearsal),
-    }
-    different = [name for name, (old, new) in parts.items() if old != new]
-    if different:
-        raise OtherSituationError(
-            f"{path}: the shift was begun with other settings: {listed(different)} changed. Its belief cannot go on. "
-            "Begin another journal, or go on with what it was begun with."
-        )
-
-
-def _says_the_same(event: Observed, before: Observed | Skipped) -> bool:
-    return isinstance(before, Observed) and event == before.model_copy(update={"idle_s": 0.0, "late": False})
-
-
-def _seconds(name: str, value: object) -> float:
-    """A number of seconds. Raises EvidenceError."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= MAX_SECONDS:
-        raise EvidenceError(f"{name} {shortened(value)}: should be a number of seconds from 0 to {MAX_SECONDS:.0f}.")
-    return float(value)
-
-
-def _likelihood(given: object, outcomes: tuple[str, ...]) -> dict[str, float]:
-    """Likelihoods by reaction. Raises EvidenceError."""
-    what = f"should be numbers from 0 to 1, not all 0, by reaction: {listed(outcomes)}"
-    if not isinstance(given, Mapping) or not given:
-        raise EvidenceError(f"likelihood {shortened(given)}: {what}.")
-    for name, value in given.items():
-        if name not in outcomes:
-            raise EvidenceError(f"likelihood.{shortened(name)}: {what}.")
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 1:
-            raise EvidenceError(f"likelihood.{name} = {shortened(value)}: {what}.")
-    if not any(given.values()):
-        raise EvidenceError(f"likelihood: {what}.")
-    return {name: float(value) for name, value in given.items()}
+    def _as_before(self, event: Configured) -> Rules:
+        """The rules of an event of this journal. Raises OtherSituationError if a plug-in among them has changed."""
+        settings = policy_settings(from_json(event.policy))
+        if settings.sources() != event.policy_sources:
+            refuse([f"the policy from cycle {event.cycle} on"], self._journal.path)
+        scenario, limits = self._shift.scenario, (event.deadline_s, event.unseen_limit)
+        return made(scenario, settings, *limits, self._safe_action, event.cycle)

@@ -8,7 +8,7 @@ import numpy as np
 
 from fatigue_planner.core.errors import FatplanError, SelectionError
 from fatigue_planner.core.random_streams import Vector, random_stream
-from fatigue_planner.live.events import Advice, Fallback, Input, Observed, Rested, Skipped, WorkerChanged
+from fatigue_planner.live.events import UNCLEAR, Advice, Fallback, Input, Observed, Rested, Skipped, WorkerChanged
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import Counts, Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -22,11 +22,12 @@ MAX_CYCLES = 100_000
 
 @dataclass(frozen=True)
 class Choice:
-    """An action by its index, why, and what it fell back to (see events.Fallback)."""
+    """An action by its index, why, what it fell back to (see events.Fallback), and whether a search has found it."""
 
     action: int
     reason: str
     fallback: Fallback = "none"
+    searched: bool = False
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,12 @@ class Shift:
                 return ended
         return None
 
+    def before(self, cycle: int) -> Belief | None:
+        """The belief before the cycle going on, or one that may still be corrected."""
+        if cycle == self.cycle:
+            return self.belief
+        return next((past.belief for past in self._past if past.cycle == cycle), None)
+
     def after(self, belief: Belief, event: Input) -> Belief:
         """The belief after the end of a cycle or a pause."""
         match event:
@@ -142,6 +149,8 @@ class Shift:
         model = self.scenario.model
         if event.likelihood is not None:
             return np.array([event.likelihood.get(name, 0.0) for name in model.outcomes])
+        if event.observation == UNCLEAR and UNCLEAR not in model.observations:
+            return np.ones(len(model.outcomes))
         if event.observation is not None:
             return np.asarray(model.arrays.observation[:, model.observations.index(event.observation)])
         return np.ones(len(model.outcomes))

@@ -7,7 +7,11 @@ import numpy as np
 
 from fatigue_planner.core.random_streams import Vector
 from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.live.doses import Doses
 from fatigue_planner.live.events import Decided, Event, Fallback, Observed, WorkerChanged
+from fatigue_planner.live.pauses import JointLevel, Levels, Passing
+from fatigue_planner.live.shift import Shift
+from fatigue_planner.live.watch import Alarm, Watch
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 
@@ -15,6 +19,9 @@ Robot = Literal["unknown", "answers", "unreachable"]
 # The joints that are shown are the most tired ones, each with an interval that holds nine tenths of the belief.
 SHOWN_JOINTS = 8
 LOWER, UPPER = 0.05, 0.95
+# After so many cycles in a row of which nothing was seen, people should look why.
+DEGRADED_AFTER = 3
+DEVIATIONS = 1.645  # of a normal distribution, to either side of the mean, hold as much
 
 
 @dataclass
@@ -58,12 +65,44 @@ class JointFatigue:
 
 
 @dataclass(frozen=True)
+class JointDose:
+    """The load dose of an entry in the worker's last hour, in s (see `doses`), and a 90 % interval."""
+
+    entry: str
+    mean_s: float
+    low_s: float
+    high_s: float
+
+
+@dataclass(frozen=True)
+class Pauses:
+    """What speaks for a pause, and what pauses do not change.
+
+    wanted_s: the pause that clears all alarms; 0: none is on; None: no pause is long enough. coming: what will pass the
+    limit at the present plan, if nothing more were seen. work_design: what no action keeps below it. doses: the
+    largest. half_life_s: in which at least half of all fatigue fades at rest.
+    """
+
+    limit: float
+    limit_source: str
+    wanted_s: float | None
+    alarms: tuple[Alarm, ...]
+    coming: tuple[Passing, ...]
+    work_design: tuple[JointLevel, ...]
+    doses: tuple[JointDose, ...]
+    half_life_s: float
+
+
+@dataclass(frozen=True)
 class SessionState:
     """Where a shift stands.
 
     cycle: that comes or goes on; action: what was decided for it, None before that. since_s: seconds since the last
-    cycle or pause ended. joints: the most tired ones. fault: why nothing is recorded any more. worker: a random number.
-    robot: whether it says what it does (`Session.executed`), unknown where it never has. rehearsal: time is simulated.
+    cycle or pause ended; planned_s: the duration of a cycle. joints: the most tired ones. fault: why nothing is
+    recorded any more. worker: a random number. robot: whether it says what it does (`Session.executed`), unknown where
+    it never has. rehearsal: time is simulated. degraded: nothing was seen of the
+    last DEGRADED_AFTER cycles. surprises: among this worker's last 50 cycles; fits: whether the model
+    fits him, see `fit`.
     """
 
     cycle: int
@@ -73,12 +112,47 @@ class SessionState:
     worker: str
     advised: bool
     counts: Counts
+    planned_s: float
     joints: tuple[JointFatigue, ...]
+    pauses: Pauses
     recorded: int
     durable_up_to: int
     fault: str
     robot: Robot = "unknown"
     rehearsal: bool = False
+    degraded: bool = False
+    surprises: int = 0
+    fits: bool = True
+
+
+def pauses(watch: Watch, levels: Levels, shift: Shift, now_s: float) -> Pauses:
+    """What speaks for a pause now; nothing of a worker who wants no belief about him."""
+    alarms = watch.alarms.now()
+    lengths = [one.pause_s for one in alarms]
+    settings = watch.alarms.settings
+    return Pauses(
+        limit=settings.limit,
+        limit_source=settings.limit_source,
+        wanted_s=None if None in lengths else max((one for one in lengths if one is not None), default=0.0),
+        alarms=alarms,
+        coming=watch.coming(shift.cycle) if shift.advised else (),
+        work_design=levels.work_design if shift.advised else (),
+        doses=joint_doses(watch.last_hour(shift.worker, now_s)) if shift.advised else (),
+        half_life_s=watch.half_life_s,
+    )
+
+
+def joint_doses(doses: Doses) -> tuple[JointDose, ...]:
+    """The largest doses of one period, the largest first."""
+    if not len(doses.mean_s):
+        return ()
+    mean, reach = doses.mean_s[0], DEVIATIONS * doses.deviation_s[0]
+    low, high = np.maximum(mean - reach, 0), mean + reach
+    return tuple(
+        JointDose(doses.entries[number], float(mean[number]), float(low[number]), float(high[number]))
+        for number in np.argsort(-mean, kind="stable")[:SHOWN_JOINTS]
+        if mean[number] > 0
+    )
 
 
 def joint_fatigue(belief: Belief) -> tuple[JointFatigue, ...]:

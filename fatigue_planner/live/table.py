@@ -1,11 +1,17 @@
 """What will be answered: the belief and the decision after every reaction that may be recognised, and after none."""
 
 import threading
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 
 from fatigue_planner.live.events import Observed
+from fatigue_planner.live.searcher import Task
 from fatigue_planner.live.shift import Adviser, Choice, Shift
 from fatigue_planner.pomdp.beliefs.belief import Belief
+
+# A cycle that has gone on for so long after all was prepared leaves time for more.
+IDLE_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -20,15 +26,24 @@ class Table:
     """Prepares, in a thread of its own, what follows a cycle of planned duration that goes as it was decided.
 
     Its answers are those that would be computed afterwards: both come from the same functions of the same inputs. Its
-    adviser is its own, for policies have working memory.
+    adviser is its own, for policies have working memory. `search` is told all that was prepared, and may improve it.
+    When all is prepared, the thread calls `look`; and when the cycle then goes on for a while, `foresee`, with a
+    function that tells when it has ended.
     """
 
-    def __init__(self, shift: Shift, adviser: Adviser) -> None:
-        self._shift, self._adviser = shift, adviser
-        self._ready: dict[Observed, Prepared] = {}
-        self._todo: list[Observed] = []
-        self._belief: Belief = shift.belief
+    def __init__(
+        self, shift: Shift, adviser: Adviser, search: Callable[[Sequence[Task]], None] = lambda _: None
+    ) -> None:
+        self._shift, self.adviser, self._search = shift, adviser, search
+        self.look: Callable[[], object] = lambda: None
+        self.foresee: Callable[[Callable[[], bool]], None] = lambda _: None
+        self._is_looking = False
+        self._ready: dict[str | None, Prepared] = {}
+        # what is prepared for, None for nothing, and how much of it was begun with
+        self._cycle: tuple[Belief, int, str] | None = None
+        self._begun = 0
         self._round = 0
+        self._seen = (None, *shift.scenario.model.observations)
         self._is_open = True
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name="fatplan table", daemon=True)
@@ -36,44 +51,78 @@ class Table:
 
     def prepare(self, belief: Belief, cycle: int, action: str) -> None:
         """Begin with what may follow this cycle, and forget what was prepared before."""
-        seen = [None, *belief.model.observations]
         with self._changed:
             self._ready = {}
-            self._belief = belief
-            self._todo = [Observed(cycle=cycle, executed=action, observation=one) for one in reversed(seen)]
+            self._cycle, self._begun = (belief, cycle, action), 0
             self._round += 1
             self._changed.notify_all()
 
     def take(self, event: Observed) -> Prepared | None:
         """What was prepared for this event, if it is ready."""
-        if event.likelihood is not None:
+        if event.likelihood is not None or event.duration_s is not None or event.idle_s or event.late or event.off:
             return None
         with self._changed:
-            return self._ready.get(event)
+            if self._cycle is None or self._cycle[1:] != (event.cycle, event.executed):
+                return None
+            return self._ready.get(event.observation)
+
+    def improve(self, task: Task, choice: Choice) -> bool:
+        """Take what a search has found; whether that was of use: it is not if the cycle has ended."""
+        with self._changed:
+            if task.number != self._round or task.observation not in self._ready:
+                return False
+            self._ready[task.observation] = replace(self._ready[task.observation], choice=choice)
+            return True
 
     def wait(self, timeout_s: float) -> bool:
-        """Wait until everything is prepared; whether it is."""
+        """Wait until everything is prepared and looked at; whether it is."""
         with self._changed:
-            return self._changed.wait_for(lambda: not self._todo, timeout_s)
+            return self._changed.wait_for(self._is_done, timeout_s)
 
     def close(self) -> None:
         """End the thread."""
         with self._changed:
-            self._is_open, self._todo = False, []
+            self._is_open, self._cycle = False, None
             self._changed.notify_all()
         self._thread.join()
 
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._todo or not self._is_open)
+                self._changed.wait_for(lambda: self._is_todo() or not self._is_open)
                 if not self._is_open:
                     return
-                event, belief, number = self._todo[-1], self._belief, self._round
-            after = self._shift.after(belief, event)
-            prepared = Prepared(after, self._adviser.choose(after, event.cycle + 1))
+                assert self._cycle is not None
+                (belief, cycle, action), number, adviser = self._cycle, self._round, self.adviser
+                seen = self._seen[self._begun]
+                self._begun += 1
+            if seen is None:
+                self._search(())
+            after = self._shift.after(belief, Observed(cycle=cycle, executed=action, observation=seen))
+            prepared = Prepared(after, adviser.choose(after, cycle + 1))
             with self._changed:
-                if number == self._round and self._is_open:
-                    self._ready[event] = prepared
-                    self._todo.pop()
+                if self._has_ended(number):
+                    continue
+                self._ready[seen] = prepared
+                self._is_looking = not self._is_todo()
+                self._changed.notify_all()
+                found = [Task(number, cycle + 1, one, entry.belief) for one, entry in self._ready.items()]
+            if self._is_looking:
+                self._search(found)
+                self.look()
+                with self._changed:
+                    self._is_looking = False
                     self._changed.notify_all()
+                    has_ended = partial(self._has_ended, number)
+                    is_idle = not self._changed.wait_for(has_ended, IDLE_S)
+                if is_idle:
+                    self.foresee(has_ended)
+
+    def _has_ended(self, number: int) -> bool:
+        return number != self._round or not self._is_open
+
+    def _is_done(self) -> bool:
+        return self._cycle is None or (len(self._ready) == len(self._seen) and not self._is_looking)
+
+    def _is_todo(self) -> bool:
+        return self._cycle is not None and self._begun < len(self._seen)

@@ -160,4 +160,5 @@ def shift_of(station: Station) -> Shift:
             spells[-1] = Spell(work_h=spells[-1].work_h, break_h=spells[-1].break_h + minutes / MINUTES_PER_HOUR)
         begin = at_min + minutes
     hours = sum(spell.work_h for spell in spells)
-    return Shift(cycle_s=station.cycle.duration_s, hours=hours, spells=tuple(spells))
+    others = tuple(shift.other_work.values())
+    return Shift(cycle_s=station.cycle.duration_s, hours=hours, spells=tuple(spells), other_work=others)

@@ -11,7 +11,7 @@ from fatigue_planner.core.errors import listed, shortened
 from fatigue_planner.core.settings import Name, Settings
 from fatigue_planner.ergonomics.indicator import INDICATORS
 from fatigue_planner.ergonomics.registry import KINDS
-from fatigue_planner.ergonomics.stated import Circumstances
+from fatigue_planner.ergonomics.stated import Circumstances, OtherWork
 from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.human.population import Population
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
@@ -174,6 +174,12 @@ class ShiftHours(Settings):
 
     hours: float = Field(gt=0, le=24, description="Length of the shift in hours, breaks included, without unit.")
     breaks: tuple[Break, ...] = Field(default=(), max_length=50, description="The breaks, in their order.")
+    other_work: dict[Name, OtherWork] = Field(
+        default_factory=dict,
+        max_length=20,
+        description="What the workers do at other stations before or after, by name: job rotation, for the cumulative "
+        "strain index. Default: nothing.",
+    )
 
     @model_validator(mode="after")
     def _check_order(self) -> Self:

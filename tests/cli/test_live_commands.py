@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from commands import fatplan
 
-from fatigue_planner.live.events import Noted, Observed
+from fatigue_planner.live.events import Noted, Observed, Recovered
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import pseudonyms, read_journal
 
@@ -67,7 +67,8 @@ def test_what_is_intact_is_recovered(journal: Path, tmp_path: Path) -> None:
     )
     done = fatplan("live", "recover", journal, tmp_path / "new.fatplan")
     assert (done.returncode, done.stdout) == (0, f"{tmp_path / 'new.fatplan'}: 2 events.\n")
-    assert [one.event for one in read_journal(tmp_path / "new.fatplan")] == SAID[:2]
+    copied = [one.event for one in read_journal(tmp_path / "new.fatplan")]
+    assert copied == [*SAID[:2], Recovered(intact=2, kept=2, cycle=2)]
     assert pseudonyms(tmp_path / "new.fatplan") == {"77aa": "w-7f3a"}
     done = fatplan("live", "recover", journal, tmp_path / "new.fatplan")
     assert done.returncode == 2

@@ -10,6 +10,7 @@ import pytest
 from test_niosh import lifting
 
 from fatigue_planner.ergonomics.indicator import Indicator
+from fatigue_planner.ergonomics.indicators.cumulative_strain_index import CumulativeStrainIndex
 from fatigue_planner.ergonomics.indicators.duet import DAMAGE, Duet, probability
 from fatigue_planner.ergonomics.indicators.lm_mmh import LibertyMutual
 from fatigue_planner.ergonomics.indicators.strain_index import StrainIndex
@@ -17,10 +18,12 @@ from fatigue_planner.ergonomics.liberty_mutual import EQUATIONS, Kind
 from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import Assessment, Level
-from fatigue_planner.ergonomics.stated import Circumstances, Shift
+from fatigue_planner.ergonomics.stated import Circumstances, OtherWork, Shift
 from fatigue_planner.ergonomics.strain_equation import (
     Effort,
+    Task,
     composite_index,
+    cumulative_index,
     duration_multiplier,
     frequency_multiplier,
     hours_multiplier,
@@ -56,7 +59,7 @@ TERMS = {
 }
 
 
-def one(indicator: Indicator, *operations: Operation, **shift: float) -> Assessment:
+def one(indicator: Indicator, *operations: Operation, **shift: Any) -> Assessment:
     return evaluate(operations, Shift(**shift), [indicator])[0]
 
 
@@ -171,6 +174,47 @@ def test_the_strain_index_of_an_operation(reactions: tuple[Reaction, ...]) -> No
     assert {decides.key for decides in unknown.decides} == {"effort_share", "hours", "actions_per_minute"}
     assert unknown.levels is not None
     assert unknown.levels[1] == Level.NOT_ACCEPTABLE
+
+
+def cumulative_by_rates(tasks: list[Task]) -> float:
+    """CUSI a second time: each task strains at its COSI / HM; the hardest is felt alone up to its hours, and so on.
+
+    The integral of the strain over the rising multiplier of the hours, in the order of the indices.
+    """
+    edges = np.cumsum([0.0, *(task.hours for task in sorted(tasks, reverse=True))])
+    multiplier = [0.0, *map(hours_multiplier, edges[1:].tolist())]
+    rates = [task.composite / hours_multiplier(task.hours) for task in sorted(tasks, reverse=True)]
+    return float(np.dot(rates, np.diff(multiplier)))
+
+
+@pytest.mark.parametrize("hours", [(4.0, 4.0), (0.5, 7.0), (2.0, 1.0, 5.0), (8.0,)])
+def test_a_second_computation_of_the_cumulative_index(hours: tuple[float, ...]) -> None:
+    """No example of the paper could be read; from its abstract: from the worst task to the hardest for all hours."""
+    tasks = [Task(index, each) for index, each in zip((7.501, 3.959, 11.2), hours, strict=False)]
+    for order in itertools.permutations(tasks):
+        found = cumulative_index(order)
+        assert found == pytest.approx(cumulative_by_rates(tasks), rel=1e-12)
+        hardest = max(task.composite / hours_multiplier(task.hours) for task in tasks)
+        assert max(tasks).composite <= found <= hardest * hours_multiplier(sum(hours)) * (1 + 1e-12)
+    # what is done in two spells is as what is done in one, with as many hours
+    efforts = [Effort(0.7, 1, 1, 0), Effort(0.4, 2.6, 1.2, 0), Effort(0.2, 5, 3, 0)]
+    alike = [Task(composite_index(efforts, 3), 3), Task(composite_index(efforts, 3), 3)]
+    assert cumulative_index(alike) == pytest.approx(composite_index(efforts, 6), rel=1e-12)
+
+
+def test_the_cumulative_index_is_that_of_the_shift(reactions: tuple[Reaction, ...]) -> None:
+    """What the hands do elsewhere counts; where nothing else is stated, the composite index says it."""
+    operation = Operation.of(reactions[0], Circumstances(effort_share=0.6, actions_per_minute=2))
+    alone = one(StrainIndex(), operation, cycle_s=30, hours=4)
+    assert alone.value is not None
+    assert "no other work" in str(one(CumulativeStrainIndex(), operation, cycle_s=30, hours=4).reason)
+    others = (OtherWork(strain_index=6.2, hours=3), OtherWork(strain_index=20, hours=0.5))
+    assert "how long" in str(one(CumulativeStrainIndex(), operation, other_work=others).reason)
+    found = one(CumulativeStrainIndex(), operation, cycle_s=30, hours=4, other_work=others)
+    assert found.value is not None
+    tasks = [Task(alone.value.low, 4), Task(6.2, 3), Task(20, 0.5)]
+    assert found.value.low == found.value.high == pytest.approx(cumulative_by_rates(tasks), rel=1e-12)
+    assert found.levels == (Level.NOT_ACCEPTABLE, Level.NOT_ACCEPTABLE)
 
 
 def test_damage_of_duet_follows_from_its_curve() -> None:

@@ -83,7 +83,7 @@ def test_templates_can_be_collected_from_the_sources() -> None:
 
 def test_titles_and_kinds_are_not_taken_twice() -> None:
     for names in ([kind.title for kind in KINDS], [kind.model_fields["kind"].default for kind in KINDS]):
-        assert len(set(names)) == len(names) == 14
+        assert len(set(names)) == len(names) == 15
     assert all(kind.edition and isinstance(kind.origin, Origin) for kind in KINDS)
 
 

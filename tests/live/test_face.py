@@ -9,62 +9,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from commands import FATPLAN, fatplan, finished, process
+from commands import FATPLAN, fatplan, finished
+from servers import SERVE, Server, start
 
 from fatigue_planner.core.errors import EvidenceError
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
 from fatigue_planner.live.face.requests import CALLS, openapi, parse
 from fatigue_planner.live.journal_file import read_journal
-
-SERVE = ("live", "serve", "paper", "--condition", "multiple_novice", "--port", 0)
-
-
-@dataclass
-class Server:
-    """A running server, its tokens, and a connection that is kept."""
-
-    process: "subprocess.Popen[str]"
-    port: int
-    view: str
-    act: str
-    journal: Path
-
-    def call(
-        self, path: str, body: object = None, token: str | None = None, method: str | None = None, **headers: str
-    ) -> tuple[int, Any]:
-        """A request on a connection of its own: status, and the answer."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=10)
-        content = body if isinstance(body, bytes) else None if body is None else json.dumps(body).encode()
-        sent = {"Authorization": f"Bearer {self.act if token is None else token}"} | headers
-        connection.request(method or ("GET" if body is None else "POST"), path, content, sent)
-        answer = connection.getresponse()
-        text = answer.read()
-        connection.close()
-        return answer.status, json.loads(text) if text[:1] in (b"{", b"n") else text
-
-
-def start(journal: Path, cache: Path) -> Server:
-    running = process(*SERVE, "--journal", journal, "--cache", cache)
-    assert running.stdout is not None
-    line = running.stdout.readline()
-    found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/#(\S+)\n", line)
-    assert found, (line, running.stderr and running.stderr.read())
-    act = journal.with_name(f"{journal.name}.act-token")
-    assert act.stat().st_mode & 0o777 == 0o600
-    server = Server(running, int(found[1]), found[2], act.read_text().strip(), journal)
-    for _ in range(100):
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", server.port)) == 0:
-                return server
-        time.sleep(0.05)
-    raise AssertionError("the server does not listen")
 
 
 @pytest.fixture(scope="module")

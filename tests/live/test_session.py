@@ -8,12 +8,13 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from datetime import UTC, datetime, timedelta
+from datetime import timedelta
 from pathlib import Path
 
 import numpy as np
 import pytest
 from conftest import PAPER
+from shifts import CYCLE_S, FakeClock, cycles
 
 import fatigue_planner as fp
 from fatigue_planner.core.errors import (
@@ -28,29 +29,6 @@ from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, WorkerChanged
 from fatigue_planner.live.journal_file import last_seconds, read_journal
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
-
-CYCLE_S = 16.0
-
-
-class FakeClock(fp.Clock):
-    """A clock that stands until it is moved."""
-
-    def __init__(self, boot: str = "boot 1") -> None:
-        self.now_s, self.boot = 1000.0, boot
-        self.wall = datetime(2026, 11, 28, 6, 0, tzinfo=UTC)
-
-    def pass_(self, seconds: float) -> None:
-        self.now_s += seconds
-        self.wall += timedelta(seconds=seconds)
-
-    def seconds(self) -> float:
-        return self.now_s
-
-    def utc(self) -> datetime:
-        return self.wall
-
-    def origin(self) -> str:
-        return self.boot
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +86,9 @@ def test_a_robot_that_says_nothing_is_unreachable(scenario: fp.Scenario, path: P
         assert session.state().robot == "unreachable"
         session.executed(3, action)
         assert session.state().robot == "answers"
-        session.skip()
+        assert session.skip(16.0, cycle=3).cycle == session.skip(16.0, cycle=3).cycle == 4
+        with pytest.raises(CycleError, match="was observed"):
+            session.skip(cycle=2)
         session.executed(3)
         session.executed(3)
         assert session.state().robot == "unreachable"
@@ -134,17 +114,6 @@ def test_a_rehearsals_journal_is_no_shifts(scenario: fp.Scenario, path: Path) ->
     assert last_seconds(path) == 3600
     with pytest.raises(OtherSituationError, match="the clock"):
         fp.Session.open(path, scenario)
-
-
-def cycles(session: fp.Session, clock: FakeClock, seen: list[str | None]) -> list[str]:
-    """Work a cycle for each of what is seen; the actions."""
-    done = []
-    for one in seen:
-        decision = session.decide()
-        done.append(decision.action)
-        clock.pass_(CYCLE_S)
-        session.observe(decision.cycle, observation=one)
-    return done
 
 
 SEEN = ["arm", "back", None, "arm", "arm", "back", None, None, "back", "arm"]
@@ -338,7 +307,7 @@ def test_another_situation_is_refused(scenario: fp.Scenario, path: Path, clock: 
     fp.Session.open(path, scenario, safe_action="low", clock=clock).close()
     experiment = fp.load(PAPER)
     other = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "single_novice")
-    with pytest.raises(OtherSituationError, match=r"the scenario .* changed"):
+    with pytest.raises(OtherSituationError, match=r"what a cycle does .* changed"):
         fp.Session.open(path, other, safe_action="low", clock=clock)
     with pytest.raises(OtherSituationError, match="the policy changed"):
         fp.Session.open(path, scenario, "greedy", safe_action="low", clock=clock)

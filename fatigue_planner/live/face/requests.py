@@ -48,6 +48,7 @@ class Skip(Request):
     """The worker did nothing in this cycle."""
 
     duration_s: float | None = Field(default=None, description="For how long, in s. Default: since the last cycle.")
+    cycle: int | None = Field(default=None, description="Number of the cycle; with it, what is said again is known.")
 
 
 class Rest(Request):
@@ -68,6 +69,18 @@ class Advise(Request):
     on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
 
 
+class Configure(Request):
+    """Decide otherwise from the next cycle on."""
+
+    deadline_s: float | None = Field(default=None, description="Seconds after which an answer is late.")
+    unseen_limit: int | None = Field(
+        default=None, description="Cycles in a row of which nothing is known, after which the schedule decides."
+    )
+    policy: str | dict[str, Any] | None = Field(
+        default=None, description="Policy, by its kind or its settings as in an experiment file."
+    )
+
+
 class Note(Request):
     """A remark for the journal."""
 
@@ -83,7 +96,7 @@ class MoveClock(Request):
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
     "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
-    "advise": Advise, "note": Note, "clock": MoveClock,
+    "advise": Advise, "configure": Configure, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 

@@ -1,0 +1,58 @@
+"""The scenarios: every one has a test, and every test sees a fault that is planted for it."""
+
+import re
+from collections.abc import Callable
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import ROOT
+from planting import Planted, function_at, planted
+from shifts import World
+
+HERE = Path(__file__).parent
+# All that is listed, with those that other files of these tests have: the number stands in a test's name.
+NUMBERS = range(1, 29)
+
+
+def scenarios() -> dict[int, Callable[[World], None]]:
+    """By number, the tests of this folder."""
+    found: dict[int, Callable[[World], None]] = {}
+    for file in sorted(HERE.glob("test_*.py")):
+        if file.name == Path(__file__).name:
+            continue
+        spec = spec_from_file_location(f"scenarios_{file.stem}", file)
+        assert spec is not None and spec.loader is not None
+        module = module_from_spec(spec)
+        spec.loader.exec_module(module)
+        for name, test in vars(module).items():
+            if number := re.match(r"test_(\d\d)_", name):
+                assert int(number[1]) not in found, name
+                found[int(number[1])] = test
+    return found
+
+
+SCENARIOS = scenarios()
+ELSEWHERE = re.findall(
+    r"def test_(?:scenario_)?(\d\d)_",
+    "".join(file.read_text(encoding="utf-8") for file in (ROOT / "tests" / "live").rglob("test_*.py")),
+)
+
+
+def test_every_scenario_has_a_test_and_a_fault() -> None:
+    assert {int(number) for number in ELSEWHERE} | set(SCENARIOS) >= set(NUMBERS)
+    for test in SCENARIOS.values():
+        fault: Planted = test.fault  # type: ignore[attr-defined]
+        function_at(fault.where)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", SCENARIOS)
+def test_a_planted_fault_is_seen(number: int, world: World, request: pytest.FixtureRequest) -> None:
+    test: Any = SCENARIOS[number]
+    world.fault = test.fault
+    names = test.__code__.co_varnames[: test.__code__.co_argcount]
+    given = {name: world if name == "world" else request.getfixturevalue(name) for name in names}
+    with planted(test.fault), pytest.raises((AssertionError, pytest.fail.Exception)):
+        test(**given)
