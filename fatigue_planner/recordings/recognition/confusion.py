@@ -49,8 +49,10 @@ class Confusion:
         return np.asarray(beta.ppf(tail, alpha, rest)), np.asarray(beta.ppf(1 - tail, alpha, rest))
 
     def plain(self) -> dict[str, dict[str, float]]:
-        """The matrix as `recognition_by_action` of an experiment has it for one action."""
-        rows = zip(self.preferences, self.probability().tolist(), strict=True)
+        """The matrix as `recognition_by_action` of an experiment has it for one action; to 1e-4."""
+        rounded = np.round(self.probability(), 4)
+        rounded[np.arange(len(rounded)), rounded.argmax(axis=1)] += 1 - rounded.sum(axis=1)
+        rows = zip(self.preferences, np.round(rounded, 4).tolist(), strict=True)
         return {name: dict(zip(self.recognised, row, strict=True)) for name, row in rows}
 
 
