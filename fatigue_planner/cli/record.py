@@ -1,5 +1,4 @@
-"""`fatplan record`: recorded motions, checked; what observed cycles tell of a worker's preferences."""
-"""`fatplan record`: recorded motions, checked; reactions, recognised."""
+"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,8 +13,9 @@ if TYPE_CHECKING:
     from fatigue_planner.recordings.check import Checked
     from fatigue_planner.recordings.learning.learnt import Learnt
 
-app = typer.Typer(name="record", help="Check recorded motions; learn preferences.", no_args_is_help=True)
-app = typer.Typer(name="record", help="Check recorded motions; recognise reactions.", no_args_is_help=True)
+app = typer.Typer(
+    name="record", help="Check recorded motions; recognise reactions; learn preferences.", no_args_is_help=True
+)
 
 Units = Annotated[Literal["mm", "cm", "m"] | None, typer.Option("--units", help="Unit of length.")]
 Up = Annotated[
@@ -142,6 +142,9 @@ def _learnt_text(found: "Learnt", write: Path | None) -> str:
     if write is not None:
         lines.append(f"{write}: the worker by {found.chosen}.")
     return "\n".join(lines)
+
+
+@app.command(epilog=options.EXIT_CODES)
 def recognise(
     experiment: options.ExperimentFile,
     offset: Annotated[

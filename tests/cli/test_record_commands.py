@@ -68,6 +68,8 @@ def test_a_reaction_that_is_none_is_named(tmp_path: Path, cache_folder: Path) ->
     cycles.write_text("action,reaction\nhigh,leg\n")
     message = f"{cycles}, line 2: reaction = 'leg': not one of arm, back."
     assert message in refused(2, "record", "learn", cycles, "--experiment", "paper", "--cache", cache_folder)
+
+
 PEOPLE = """
 name: people
 human: natural
