@@ -71,13 +71,22 @@ def connect(path: Path) -> sqlite3.Connection:
 
 
 def create(path: Path) -> None:
-    """Make an empty journal that only its owner can read. Raises OutputFolderError."""
+    """Make an empty journal that only its owner can read; it is there whole or not at all. Raises OutputFolderError."""
+    begun = path.with_name(f"{path.name}.begun")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
-        with closing(connect(path)) as connection:
+        for left in ("", "-wal", "-shm"):  # by a program that was killed here
+            begun.with_name(f"{begun.name}{left}").unlink(missing_ok=True)
+        os.close(os.open(begun, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
+        with closing(connect(begun)) as connection:
             connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             connection.executescript(SCHEMA)
+        begun.replace(path)
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
     except (OSError, sqlite3.Error) as error:
         raise OutputFolderError(f"{path}: a journal cannot be written there ({error}).") from error
 
