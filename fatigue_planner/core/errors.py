@@ -138,6 +138,22 @@ class EvidenceError(FatplanError):
     """What was said of a cycle or a pause is no observation."""
 
 
+class FaceUnreachableError(FatplanError):
+    """The program that decides beside a robot does not answer."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+
+class FaceRefusedError(FatplanError):
+    """The program that decides beside a robot refuses what was said, with an HTTP status."""
+
+    exit_code = ExitCode.FAILED_PARTS
+
+    def __init__(self, code: int, reason: str) -> None:
+        super().__init__(f"refused with {code}: {reason}")
+        self.code = code
+
+
 class OtherSituationError(FatplanError):
     """A journal's shift was begun with another task, policy or version."""
 
@@ -154,6 +170,10 @@ class DamagedJournalError(FatplanError):
 
 class RecordingError(FatplanError):
     """A file is no recording that can be used, or contradicts itself."""
+
+
+class RecognitionError(FatplanError):
+    """Labelled repetitions are too few, or a file is no recogniser that this version can use."""
 
 
 class DamagedFileError(FatplanError):

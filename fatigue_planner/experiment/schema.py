@@ -33,6 +33,7 @@ from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
 from fatigue_planner.pomdp.choices.registry import AnyChoiceModel
 from fatigue_planner.pomdp.cost import not_quadratic
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
+from fatigue_planner.robot.settings import RobotSettings
 
 # What can be checked in half a second and named in one table.
 MAX_ACTIONS = 10_000
@@ -75,6 +76,11 @@ class Experiment(Settings):
     )
     actions: dict[Name, Action] = Field(
         min_length=1, max_length=MAX_ACTIONS, description="What the robot can choose between, by name."
+    )
+    robot: RobotSettings | None = Field(
+        default=None,
+        description="The robot that presents the object. Actions that it cannot present, or only too near to the "
+        "worker, are left out of planning. Default: whatever is needed is presented.",
     )
     preferences: dict[Name, Preference] = Field(
         default_factory=usual_preferences,

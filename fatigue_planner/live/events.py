@@ -13,6 +13,7 @@ from fatigue_planner.core.settings import Settings
 FORMAT = 1
 # Names are those of the experiment, notes are a person's.
 MAX_NOTE_LENGTH = 500
+MAX_SOURCE_LENGTH = 200
 # A day and a half: longer is no pause of a shift.
 MAX_SECONDS = 129_600.0
 
@@ -35,12 +36,15 @@ class AlarmSettings(Settings):
     """
 
     limit: Annotated[float, Field(gt=0, lt=1)] = 0.5
-    limit_source: Annotated[str, Field(max_length=200)] = "an assumption: half of the strength is gone"
+    limit_source: Annotated[str, Field(max_length=MAX_SOURCE_LENGTH)] = "an assumption: half of the strength is gone"
     repeat_s: Annotated[float, Field(ge=1, le=MAX_SECONDS)] = 600.0
 
 
 class Opened(Settings):
-    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`."""
+    """A session began: with what. Everything before belongs to another situation, see `shift.Shift`.
+
+    experiment, cache: where they lie, from the journal's folder, for the report; "" where it is not known.
+    """
 
     kind: Literal["opened"] = "opened"
     format: int
@@ -61,6 +65,8 @@ class Opened(Settings):
     sources: dict[str, str] = Field(default_factory=dict)  # digests of the program's sources; none in older journals
     search: dict[str, Any] | None = None  # that improves decisions
     accepted: tuple[str, ...] = ()  # what has changed since the segment before, as somebody has confirmed
+    experiment: str = ""
+    cache: str = ""
 
 
 class Resumed(Settings):
@@ -251,6 +257,13 @@ class Cleared(Settings):
     entry: str
 
 
+class Refused(Settings):
+    """Requests that may not pass, by their HTTP status, since this was told last; at most once a second."""
+
+    kind: Literal["refused"] = "refused"
+    counts: dict[str, int]
+
+
 class Closed(Settings):
     """The session was closed in good order."""
 
@@ -278,6 +291,7 @@ Event = (
     | Alarmed
     | Acknowledged
     | Cleared
+    | Refused
     | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

@@ -44,6 +44,7 @@ from fatigue_planner.live.events import (
     Noted,
     Observed,
     Opened,
+    Refused,
     Rested,
     Resumed,
     SearchFailed,
@@ -146,6 +147,8 @@ class Session:
         search: str | Mapping[str, Any] | PolicySettings | None = None,
         unseen_limit: int = UNSEEN_LIMIT,
         accept: bool = False,
+        experiment: str = "",
+        cache: str = "",
     ) -> Self:
         """Begin a shift, or go on with the one in the journal. Everything is compiled before this returns.
 
@@ -155,7 +158,7 @@ class Session:
             on. search: a policy that improves decisions while the worker works, in a process of its own; where it gave
             no answer the first policy decides. unseen_limit: after so many cycles in a row of which nothing is known
             the schedule decides. accept: where the journal's shift had another situation, begin a new segment, which
-            knows nothing of the one before.
+            knows nothing of the one before. experiment, cache: where the report finds them, from the journal's folder.
 
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
@@ -173,9 +176,13 @@ class Session:
             raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
         safe = model.actions.index(safe_action)
         rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
-        opened = opening(scenario, rules, safe_action, clock, alarms)
-        if searching is not None:
-            opened = opened.model_copy(update={"search": searching.plain()})
+        opened = opening(scenario, rules, safe_action, clock, alarms).model_copy(
+            update={
+                "search": None if searching is None else searching.plain(),
+                "experiment": experiment,
+                "cache": cache,
+            }
+        )
         written = Journal(Path(journal))
         try:
             events = since_opened(written.events)
@@ -211,7 +218,7 @@ class Session:
         with self._turn() as began:
             if cycle == self._shift.cycle + 1 and self._pending is not None:
                 unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._doing(self._pending.action)))
-                self._end(unseen.model_copy(update={"idle_s": self._idle(unseen)}))
+                self._end(self._after_rest(unseen))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
             return self._decided(began)
@@ -264,7 +271,7 @@ class Session:
             event = self._checked(cycle, executed, observation, likelihood, duration_s)
             before = self._shift.recent(cycle)
             if before is None:
-                self._end(event.model_copy(update={"idle_s": self._idle(event)}))
+                self._end(self._after_rest(event))
             elif said.says_the_same(event, before):
                 pass
             elif isinstance(before, Observed) and before.is_blind:
@@ -273,9 +280,18 @@ class Session:
                 self._contradict(event, "was observed otherwise before")
             return self._decided(began)
 
-    def skip(self, duration_s: float | None = None) -> CycleDecision:
-        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision."""
+    def skip(self, duration_s: float | None = None, cycle: int | None = None) -> CycleDecision:
+        """The worker did nothing in this cycle, for so long (by default since the last one); the next decision.
+
+        cycle: with it, what is said again changes nothing. Raises CycleError if it is another than the one going on and
+        was not skipped.
+        """
         with self._turn() as began:
+            if cycle is not None and cycle != self._shift.cycle:
+                said.check_cycle(cycle, self._shift)
+                if not isinstance(self._shift.recent(cycle), Skipped):
+                    raise CycleError(f"cycle {cycle}: was observed, and cannot be skipped any more.")
+                return self._decided(began)
             passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
             seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
             self._end(Skipped(cycle=self._shift.cycle, duration_s=seconds))
@@ -351,6 +367,11 @@ class Session:
             if entries:
                 self._tell(Acknowledged(entries=entries))
 
+    def refused(self, counts: Mapping[str, int]) -> None:
+        """Write into the journal that requests were refused, so many by their HTTP status."""
+        with self._lock:
+            self._tell(Refused(counts=dict(counts)))
+
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
         with self._turn():
@@ -380,6 +401,8 @@ class Session:
                 fault=self._journal.fault,
                 robot=self._robot(),
                 rehearsal=self._clock.is_rehearsal(),
+                actions=self._shift.scenario.model.actions,
+                reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,
@@ -516,6 +539,11 @@ class Session:
         was_off = before.off if isinstance(before, Observed) else before is None and not self._shift.advised
         return event.without_worker() if was_off else event
 
+    def _after_rest(self, event: Observed) -> Observed:
+        """The cycle that has just ended, after the rest before it."""
+        idle_s = self._idle(event)
+        return event.model_copy(update={"idle_s": idle_s}) if idle_s else event
+
     def _idle(self, event: Observed) -> float:
         """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
         if event.off:
@@ -605,7 +633,7 @@ class Session:
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
-            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc().isoformat())
+            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc())
 
     def _rule(self, rules: Rules) -> None:
         """Decide by these from their cycle on."""

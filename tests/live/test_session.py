@@ -86,7 +86,9 @@ def test_a_robot_that_says_nothing_is_unreachable(scenario: fp.Scenario, path: P
         assert session.state().robot == "unreachable"
         session.executed(3, action)
         assert session.state().robot == "answers"
-        session.skip()
+        assert session.skip(16.0, cycle=3).cycle == session.skip(16.0, cycle=3).cycle == 4
+        with pytest.raises(CycleError, match="was observed"):
+            session.skip(cycle=2)
         session.executed(3)
         session.executed(3)
         assert session.state().robot == "unreachable"

@@ -89,6 +89,13 @@ def _experiment() -> Content:
              "weight": 1.0},
         ]
     }  # fmt: skip
+    content["robot"] = {
+        "arm": "ur10e", "base_m": {"x": 1.2, "y": -0.1, "z": 0.4, "yaw_deg": 170.0}, "clearance_m": 0.02,
+        "hold": {
+            "distance_m": 0.15, "direction": {"x": -1.0, "y": 0.1, "z": 0.1}, "roll_deg": 10.0, "mass_kg": 2.0,
+        },
+        "link_radius_m": 0.05,
+    }  # fmt: skip
     content["fatigue"] |= {
         "law": {"kind": "3cc_r"}, "rates": "frey_law_2012", "rest_multiplier": 15.0,
         "strength_by_angle": ["medx_lumbar", "kamon_arm"],
@@ -276,6 +283,7 @@ RULES = (
     Rule(("benchmark.seed",), "the chance of every run; a bound has none", cells=lambda leaf, condition, policy: True),
     Rule(("benchmark.reference.*",), "what decisions are measured against", regret=True),
     Rule(("benchmark.max_decision_s",), "what is refused"),
+    Rule(("robot.*",), "which actions are there to choose from: here all, whatever is changed"),
     Rule(("statistics.*", "figures.*"), "what is made of the runs"),
 )  # fmt: skip
 
@@ -321,6 +329,8 @@ def _others(leaf: Leaf) -> Iterator[Content]:
         yield {("belief",): {"kind": "exact"}} | exact if leaf.path[0] == "belief" else {}
     elif isinstance(value, bool):
         yield {path: not value}
+    elif leaf.name == "robot.arm":
+        yield {path: "ur5e"}
     elif leaf.name == "fatigue.rates":
         yield {path: None}
     elif leaf.name == "cost.fatigue":  # which no leaf value of cyclic plans goes with
