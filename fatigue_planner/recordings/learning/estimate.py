@@ -165,6 +165,8 @@ class Estimator:
         ends = [self._end(fit, model, index, limit) for limit in (lowest, highest)]
         unit = self.scale if index == 0 else 1.0
         estimate = fit.beta if index == 0 else float(fit.point[index])
+        if index != 0 and abs(estimate) >= MOST_LOG_ODDS:
+            estimate = math.copysign(math.inf, estimate)
         low, high = ends[0] / unit, ends[1] / unit
         if index != 0 and ends[0] <= lowest:
             low = -math.inf

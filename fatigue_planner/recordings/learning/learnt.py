@@ -25,7 +25,7 @@ class Parameter:
     """A parameter and its interval, told from 0 or not.
 
     more_cycles: about how many more of the same kind would tell it from 0 in 4 of 5 cases, were it as large as
-    estimated; 0 if it is told already, None if no number of cycles that anybody observes.
+    estimated; 0 if it is told already, None where that cannot be said: the estimate is 0, endless, or too near to 0.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Learnt:
             if parameter.is_told:
                 continue
             more = (
-                "no number of cycles that anybody observes would"
+                "how many more cycles would cannot be said"
                 if parameter.more_cycles is None
                 else f"about {counted(parameter.more_cycles, 'more cycle')} of this kind would, were it as estimated"
             )
