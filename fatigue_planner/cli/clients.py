@@ -1,7 +1,10 @@
 """`fatplan live rehearse`, `ur` and `lsl`: what talks to a server beside a robot, each a process of its own."""
 
+import threading
 from collections.abc import Mapping
 from dataclasses import asdict
+from datetime import datetime
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +13,8 @@ import typer
 from fatigue_planner.cli import options
 from fatigue_planner.cli.live import need_server, policy_of, task_of
 from fatigue_planner.cli.progress import progress, talk
-from fatigue_planner.core.errors import ExitCode, OutputFolderError, SelectionError, listed
+from fatigue_planner.cli.shift_report import write_report
+from fatigue_planner.core.errors import ExitCode, MissingExtraError, OutputFolderError, SelectionError, listed
 
 if TYPE_CHECKING:
     from fatigue_planner.live.rehearsal.fault import Fault
@@ -50,13 +54,15 @@ def rehearse(
 ) -> None:
     """Rehearse a shift of an EXPERIMENT: a real server, a simulated worker and robot, simulated time, and faults.
 
-    The table says how often each fault came and what the server did. Exit code 3: it did not do what is right.
+    The table says how often each fault came and what the server did. Exit code 3: it did not do what is right. The
+    shift's report is written beside the journal.
     """
     need_server()
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.live.rehearsal.registry import FAULTS
     from fatigue_planner.live.rehearsal.rehearse import rehearse
     from fatigue_planner.live.rules import DEFAULT_POLICY
+    from fatigue_planner.output.reports.page import REPORT_FILE
     from fatigue_planner.planners.registry import policy as policy_settings
 
     rates = {name: fault.rate for name, fault in FAULTS.items()} if faults is None else _rates(faults, FAULTS)
@@ -74,10 +80,82 @@ def rehearse(
             started=lambda page: talk().print(f"The operators' page: {page}", markup=False),
             advance=lambda number: done.advance(number, number),
         )  # fmt: skip
-    document = {"journal": journal, "right": came.is_right, **asdict(came)}
-    options.present(document, _table(came, journal), as_json)
+    report, _ = write_report(journal, experiment=experiment, cache=cache)
+    document = {"journal": journal, "right": came.is_right, "report": report, **asdict(came)}
+    options.present(document, f"{_table(came, journal)}\nThe shift's report: {report / REPORT_FILE}", as_json)
     if not came.is_right:
         raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+Server = Annotated[str, typer.Option("--server", help="Address of `fatplan live serve`.")]
+TokenFile = Annotated[Path, typer.Option("--token-file", help="File with the token to act: JOURNAL.act-token.")]
+Authority = Annotated[
+    Path | None, typer.Option("--authority", help="Certificates to trust, for https. Default: the system's.")
+]
+
+
+def ur(
+    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="Address of the robot's controller.")],
+    poses: Annotated[
+        str,
+        typer.Option("--poses", help="The actions by their numbers in the robot's program, from 1, as high,low."),
+    ],
+    token_file: TokenFile,
+    server: Server = "http://127.0.0.1:8765",
+    authority: Authority = None,
+    grace_s: Annotated[
+        float,
+        typer.Option("--grace", min=0, help="Seconds for the tracker when the robot asks for a new cycle."),
+    ] = 0.5,
+    silence_s: Annotated[
+        float, typer.Option("--silence", min=0, help="Seconds without an echo after which the robot is unreachable.")
+    ] = 60.0,
+) -> None:
+    """Tell a ROBOT of Universal Robots the poses, by RTDE, and a server what the robot does. Ctrl-C ends.
+
+    Input registers: 42 the pose's number, then 43 the cycle's. Output registers: 36 the number of the pose that is
+    executed (0: none), 37 its cycle's, 38 the cycle that the program asks for. The program keeps its own timer and
+    default pose.
+    """
+    if find_spec("rtde_receive") is None:
+        raise MissingExtraError("fatplan live ur needs ur-rtde: pip install 'fatigue-planner[ur]'.")
+    from fatigue_planner.live.clients.connection import Address
+    from fatigue_planner.live.clients.robot import RobotClient
+    from fatigue_planner.live.clients.ur import UrLink
+
+    names = [name.strip() for name in poses.split(",")]
+    address = Address(server, token_file, authority)
+    address.token()
+    RobotClient(address, UrLink(robot), names, _say, grace_s, silence_s).run(threading.Event())
+
+
+def lsl(
+    stream: Annotated[str, typer.Argument(metavar="STREAM", help="Name of the recogniser's stream.")],
+    token_file: TokenFile,
+    server: Server = "http://127.0.0.1:8765",
+    authority: Authority = None,
+    out: Annotated[str, typer.Option("--out", help="Name of the stream of decisions.")] = "fatplan decisions",
+    early_s: Annotated[
+        float, typer.Option("--early", min=0, help="Samples stamped so soon after a cycle began are of the one before.")
+    ] = 2.0,
+) -> None:
+    """Bring what a recogniser says by Lab Streaming Layer to a server, and its decisions back as markers. Ctrl-C ends.
+
+    The STREAM has a sample per cycle: one text, the reaction; or a number per reaction, labelled, how likely what was
+    measured is under it. Nobody is authenticated in such a network: it should be the cell's own.
+    """
+    if find_spec("pylsl") is None:
+        raise MissingExtraError("fatplan live lsl needs pylsl: pip install 'fatigue-planner[lsl]'.")
+    from fatigue_planner.live.clients.connection import Address
+    from fatigue_planner.live.clients.lsl import LslClient
+
+    address = Address(server, token_file, authority)
+    address.token()
+    LslClient(address, stream, out, _say, early_s).run(threading.Event())
+
+
+def _say(message: str) -> None:
+    talk().print(f"{datetime.now():%H:%M:%S} {message}", markup=False)
 
 
 def _rates(asked: list[str], known: "Mapping[str, Fault]") -> dict[str, float]:

@@ -51,6 +51,25 @@ def test_what_is_inferred_can_be_overruled(file: Path) -> None:
         assert f"Invalid value for '{option}'" in refused(2, "record", "check", file, option, "nan")
 
 
+def test_a_worker_is_learnt(tmp_path: Path, cache_folder: Path) -> None:
+    cycles, labelled, worker = (tmp_path / name for name in ("cycles.csv", "labelled.csv", "learnt.yaml"))
+    cycles.write_text("action,reaction,time_s\nhigh,arm,0\nlow,back,15\nhigh,,31\nlow,arm,50\n")
+    labelled.write_text("preference,recognised,count\narm,arm,9\narm,back,1\nback,back,10\n")
+    command = ("record", "learn", cycles, "--experiment", "paper", "--labelled", labelled, "--cache", cache_folder)
+    done = fatplan(*command, "--write", worker)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("4 cycles, of which 3 seen. With 95 % intervals:\n  beta: ")
+    assert "The data cannot tell beta from 0: " in done.stdout
+    assert set(yaml.safe_load(worker.read_text())) <= {"hidden_workers", "choice_models"}
+
+
+def test_a_reaction_that_is_none_is_named(tmp_path: Path, cache_folder: Path) -> None:
+    cycles = tmp_path / "cycles.csv"
+    cycles.write_text("action,reaction\nhigh,leg\n")
+    message = f"{cycles}, line 2: reaction = 'leg': not one of arm, back."
+    assert message in refused(2, "record", "learn", cycles, "--experiment", "paper", "--cache", cache_folder)
+
+
 PEOPLE = """
 name: people
 human: natural

@@ -14,7 +14,7 @@ from fatigue_planner.live.events import Opened
 from fatigue_planner.live.journal_file import read_journal
 from fatigue_planner.live.rehearsal.registry import FAULTS
 from fatigue_planner.live.rehearsal.rehearse import rehearse
-from fatigue_planner.live.session import DEFAULT_POLICY
+from fatigue_planner.live.rules import DEFAULT_POLICY
 from fatigue_planner.planners.registry import policy
 
 COMMAND = ("live", "rehearse", "paper", "--condition", "multiple_novice")
@@ -52,6 +52,7 @@ def test_every_fault_is_met_as_it_should(tmp_path: Path, cache_folder: Path) -> 
     came = json.loads(done.stdout)
     assert (came["right"], came["belief_is_right"], came["wrong_inputs"]) == (True, True, [])
     assert came["cycles"] >= 130
+    assert "simulated workers" in (Path(came["report"]) / "report.html").read_text()
     assert {row["fault"] for row in came["rows"] if row["times"]} == set(FAULTS)
     events = read_journal(tmp_path / "rehearsal.fatplan")
     assert isinstance(events[0].event, Opened)

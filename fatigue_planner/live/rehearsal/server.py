@@ -19,9 +19,9 @@ STOP_WAIT_S = 30.0
 class Server:
     """A server that runs; `page`: the address of its page with the token to look."""
 
-    def __init__(self, journal: Path, options: Sequence[str]) -> None:
+    def __init__(self, journal: Path, options: Sequence[str], rehearsal: bool = True) -> None:
         """Start it with these options of `fatplan live serve`. Raises WorkerError if it does not come up."""
-        self.journal, self._options = journal, list(options)
+        self.journal, self._options = journal, [*options, *(["--rehearsal"] if rehearsal else [])]
         self._port = 0
         self._messages: IO[str] = tempfile.TemporaryFile("w+", encoding="utf-8")  # noqa: SIM115
         self.page = ""
@@ -61,7 +61,7 @@ class Server:
         self.close()
 
     def _start(self) -> "subprocess.Popen[str]":
-        command = [sys.executable, "-m", "fatigue_planner", "live", "serve", *self._options, "--rehearsal"]
+        command = [sys.executable, "-m", "fatigue_planner", "live", "serve", *self._options]
         command += ["--journal", str(self.journal), "--port", str(self._port)]
         self._messages.seek(0)
         self._messages.truncate()

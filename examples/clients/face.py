@@ -1,0 +1,18 @@
+"""What every client needs: a call of the face. Python's standard library only, so it runs in any environment."""
+
+import json
+import os
+import urllib.request
+from pathlib import Path
+from typing import Any
+
+SERVER = os.environ.get("FATPLAN_SERVER", "http://127.0.0.1:8765")
+TOKEN_FILE = Path(os.environ.get("FATPLAN_TOKEN_FILE", "shift.fatplan.act-token"))
+
+
+def ask(call: str, **said: Any) -> Any:
+    """Call the face; its answer. Raises urllib.error.HTTPError with the reason in its body for what is refused."""
+    headers = {"Authorization": f"Bearer {TOKEN_FILE.read_text().strip()}"}  # a new one after every start
+    request = urllib.request.Request(f"{SERVER}/v1/{call}", json.dumps(said).encode(), headers)
+    with urllib.request.urlopen(request, timeout=5) as answer:
+        return json.load(answer)

@@ -1,0 +1,128 @@
+"""What a robot's client believes: scripted echoes, and what it then says to the face."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.live.clients.connection import Address, Answer
+from fatigue_planner.live.clients.robot import Echo, RobotClient, RobotLink
+
+
+class Scripted(RobotLink):
+    """A robot that says what the test sets; what is written to it always seems to arrive."""
+
+    def __init__(self) -> None:
+        self.echo: Echo | None = Echo(0, 0, 0)
+        self.written: list[tuple[int, int]] = []
+        self.is_on = True
+
+    def connect(self) -> bool:
+        return self.is_on
+
+    def write(self, pose: int, cycle: int) -> None:
+        self.written.append((pose, cycle))
+
+    def read(self) -> Echo | None:
+        return self.echo
+
+    def close(self) -> None:
+        pass
+
+
+class Recorder:
+    """Stands in for the connection: what was said."""
+
+    def __init__(self) -> None:
+        self.said: list[tuple[str, dict[str, Any]]] = []
+
+    def call(self, name: str, **said: Any) -> Answer | None:
+        self.said.append((name, said))
+        return None
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> tuple[RobotClient, Scripted, Recorder]:
+    link, recorder = Scripted(), Recorder()
+    client = RobotClient(Address("http://127.0.0.1:1", tmp_path), link, ("high", "low"), grace_s=0.0)
+    client.connection = recorder  # type: ignore[assignment]
+    return client, link, recorder
+
+
+Robot = tuple[RobotClient, Scripted, Recorder]
+
+
+def silent_for_a_cycle(robot: Robot) -> None:
+    """It echoes the first cycle, and nothing of the second, though it is written to."""
+    client, link, recorder = robot
+    client.look(1, "low")
+    link.echo = Echo(2, 1, 0)
+    client.look(1, "low")
+    client.look(2, "high")
+    client.look(3, "high")
+    assert link.written == [(2, 1), (1, 2), (1, 3)]
+    assert recorder.said == [("executed", {"cycle": 1, "action": "low"}), ("executed", {"cycle": 3})]
+
+
+def test_28_what_is_written_is_not_delivered(robot: Robot, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    silent_for_a_cycle(robot)
+
+    def believed(self: RobotClient, echo: Echo, cycle: int) -> None:
+        assert self._written is not None
+        hear(self, Echo(*self._written, echo.asked), cycle)
+
+    hear = RobotClient._hear
+    monkeypatch.setattr(RobotClient, "_hear", believed)  # the planted fault: what was written counts
+    link, recorder = Scripted(), Recorder()
+    client = RobotClient(Address("http://127.0.0.1:1", tmp_path), link, ("high", "low"))
+    client.connection = recorder  # type: ignore[assignment]
+    with pytest.raises(AssertionError):
+        silent_for_a_cycle((client, link, recorder))
+
+
+@pytest.mark.parametrize("absurd", [Echo(3, 2, 0), Echo(-1, 2, 0), Echo(1, 3, 0), Echo(1, -4, 0), Echo(2**31, 2, 0)])
+def test_what_cannot_be_is_ignored_and_counted_once(robot: Robot, absurd: Echo) -> None:
+    client, link, recorder = robot
+    link.echo = absurd
+    client.look(2, "low")
+    client.look(2, "low")
+    assert recorder.said == []
+    assert sum(client.ignored.values()) == 1
+
+
+def test_late_double_and_lost_echoes(robot: Robot) -> None:
+    client, link, recorder = robot
+    client.look(1, "low")
+    client.look(2, "low")
+    assert recorder.said == [("executed", {"cycle": 2})]
+    link.echo = Echo(1, 1, 0)  # late, and another pose
+    client.look(2, "low")
+    client.look(2, "low")
+    link.echo = Echo(2, 2, 0)
+    client.look(2, "low")
+    assert recorder.said[1:] == [
+        ("executed", {"cycle": 1, "action": "high"}), ("executed", {"cycle": 2, "action": "low"}),
+    ]  # fmt: skip
+    link.echo, link.is_on = None, False
+    client.look(2, "low")
+    client.look(2, "low")
+    assert recorder.said[3:] == [("executed", {"cycle": 2})]
+
+
+def test_the_robot_asks_for_the_next_cycle(robot: Robot) -> None:
+    client, link, recorder = robot
+    link.echo = Echo(2, 1, 2)
+    client.look(1, "low")
+    link.echo = Echo(0, 2, 3)
+    client.look(2, "low")
+    assert recorder.said == [
+        ("executed", {"cycle": 1, "action": "low"}), ("decide", {"cycle": 2}), ("skip", {"cycle": 2}),
+    ]  # fmt: skip
+
+
+def test_every_action_must_have_been_taught(robot: Robot) -> None:
+    client, _, _ = robot
+    client.check(("low", "high"), ("arm",))
+    with pytest.raises(SelectionError, match="should name every action"):
+        client.check(("low", "high", "middle"), ("arm",))
