@@ -109,7 +109,6 @@ workers:
   e: {height_m: 1.88, mass_kg: 92, sex: male}
   new_1: {height_m: 1.60, mass_kg: 64, sex: female}
   new_2: {height_m: 1.85, mass_kg: 78, sex: male}
-  new_3: {height_m: 1.70, mass_kg: 77, sex: male}
 actions:
   low: {right_hand: {position_m: {x: 0.4, y: -0.15, z: 0.6}, orientation_deg: {y: -90}}}
   high: {right_hand: {position_m: {x: 0.45, y: -0.25, z: 1.2}, orientation_deg: {y: -90}}}
