@@ -36,7 +36,7 @@ def belief(actions: int, preferences: int, entries: int, expertise: float, state
     if noisy:
         errors = np.full((preferences, preferences), 0.1 / (preferences - 1))
         np.fill_diagonal(errors, 0.9)
-        arrays = model.arrays._replace(observation=errors, observation_reveals_outcome=False)
+        arrays = model.arrays._replace(observation=errors[None], observation_reveals_outcome=False)
         model = replace(model, arrays=arrays, observation_reveals_outcome=False)
     fatigue = np.zeros((states, model.arrays.gain.shape[1] + 1))
     fatigue[:, :entries] = rng.uniform(0, 0.1, (states, entries))

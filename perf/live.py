@@ -1,24 +1,32 @@
-"""A shift beside a robot: times of answers in a session and over HTTP, of a resumed journal, and what grows.
+"""A shift beside a robot: times of answers in a session and over HTTP, under load and with real-time priority; what
+grows in a long shift; how long it takes to start and to resume.
 
 Wall-clock times here are what a robot sees; they depend on what else the machine does, so its load is printed.
+
+    python perf/live.py                 all of it
+    python perf/live.py http --load 12  one part, beside so many processes that compute
 """
 
+import argparse
 import http.client
 import itertools
 import json
+import multiprocessing
 import os
 import re
-import resource
 import subprocess
 import sys
 import tempfile
 import time
-from datetime import UTC, datetime
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
 import fatigue_planner as fp
+from fatigue_planner.live.realtime import answer_first
 
 CYCLES, LONG = 10_000, 27_000
 # One cycle of 25 is not seen.
@@ -36,7 +44,7 @@ class SimulatedClock(fp.Clock):
         return self.now_s
 
     def utc(self) -> datetime:
-        return datetime(2026, 1, 1, tzinfo=UTC)
+        return datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=self.now_s)
 
     def origin(self) -> str:
         return "simulated"
@@ -50,45 +58,57 @@ def told(what: str, times_s: list[float]) -> None:
     print(f"{what}: p50 {p50:.3f}, p99 {p99:.3f}, p99.9 {p999:.3f}, max {ms.max():.3f} ms; {late} of {ms.size} late")
 
 
-def in_a_session(folder: Path, scenario: fp.Scenario) -> None:
-    """Answers that were prepared, and the first and the last tenth of a long shift."""
+def worked(session: fp.Session, clock: SimulatedClock, count: int, seen: Iterator[str | None]) -> list[float]:
+    """Work cycles as a robot does, which asks when everything has been prepared; the times of the answers."""
+    times, decision = [], session.decide()
+    for _ in range(count):
+        assert session._table.wait(60)
+        clock.now_s += CYCLE_S
+        one = next(seen)
+        begin = time.perf_counter()
+        decision = session.observe(decision.cycle, observation=one)
+        times.append(time.perf_counter() - begin)
+    return times
+
+
+def prepared(folder: Path, scenario: fp.Scenario) -> None:
+    """Answers that were prepared, with real-time priority for them where that is permitted."""
+    clock = SimulatedClock()
+    with fp.Session.open(folder / "prepared", scenario, clock=clock) as session:
+        told(f"prepared, {CYCLES} cycles", worked(session, clock, CYCLES, itertools.cycle(SEEN)))
+
+
+def long_shift(folder: Path, scenario: fp.Scenario) -> None:
+    """The first and the last tenth of a long shift."""
     clock, seen = SimulatedClock(), itertools.cycle(SEEN)
-    times: list[float] = []
-    with fp.Session.open(folder / "session", scenario, clock=clock) as session:
-        decision = session.decide()
-        for _ in range(CYCLES):
-            session._table.wait(10)
-            clock.now_s += CYCLE_S
-            begin = time.perf_counter()
-            decision = session.observe(decision.cycle, observation=next(seen))
-            times.append(time.perf_counter() - begin)
-    told(f"prepared, {CYCLES} cycles", times)
     begin = time.perf_counter()
     with fp.Session.open(folder / "long", scenario, clock=clock) as session:
         print(f"session opened, warm: {time.perf_counter() - begin:.2f} s")
-        decision = session.decide()
-        tenths = []
-        for number in range(LONG):
-            if number % (LONG // 10) == 0:
-                tenths.append((time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
-            clock.now_s += CYCLE_S
-            decision = session.observe(decision.cycle, observation=next(seen))
-        tenths.append((time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024))
-    per_tenth = np.diff([spent for spent, _ in tenths])
+        tenths, memory, spent = [], [], [time.process_time()]
+        for _ in range(10):
+            tenths.append(worked(session, clock, LONG // 10, seen))
+            memory.append(resident_mb())
+            spent.append(time.process_time())
+    cpu = np.diff(spent)
     print(
-        f"{LONG} cycles: last tenth against first {per_tenth[-1] / per_tenth[0]:.2f} x CPU; "
-        f"memory {tenths[1][1]:.0f} to {tenths[-1][1]:.0f} MB"
+        f"{LONG} cycles, last tenth against first: {cpu[-1] / cpu[0]:.2f} x CPU; of all {np.round(cpu, 1).tolist()} s"
     )
+    print(f"  memory {memory[0]:.1f} to {memory[-1]:.1f} MB")
+    told("  first tenth", tenths[0])
+    told("  last tenth", tenths[-1])
+
+
+def resident_mb() -> float:
+    """Memory that this process has."""
+    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS")) / 1024
 
 
 def resumed(folder: Path, scenario: fp.Scenario) -> None:
     """A journal of 12 hours is opened again."""
-    clock, seen = SimulatedClock(), itertools.cycle(SEEN)
+    clock = SimulatedClock()
     with fp.Session.open(folder / "resumed", scenario, clock=clock) as session:
-        decision = session.decide()
-        for _ in range(2700):
-            clock.now_s += CYCLE_S
-            decision = session.observe(decision.cycle, observation=next(seen))
+        worked(session, clock, 2700, itertools.cycle(SEEN))
         digest = session.digest()
     begin = time.perf_counter()
     with fp.Session.open(folder / "resumed", scenario, clock=clock) as session:
@@ -97,44 +117,99 @@ def resumed(folder: Path, scenario: fp.Scenario) -> None:
     print(f"resumed after 2,700 cycles: {took:.2f} s, the same belief")
 
 
-def over_http(folder: Path) -> None:
-    """Observation sent, decision received, on one connection."""
-    command = [sys.executable, "-m", "fatigue_planner", "live", "serve", "paper", "--condition", "multiple_novice"]
-    command += ["--journal", str(folder / "http"), "--port", "0", "--cache", str(folder / "cache")]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as server:
-        assert server.stdout is not None
-        found = re.match(r"http://127\.0\.0\.1:(\d+)/", server.stdout.readline())
+class Served:
+    """A server, and a client that keeps its connection."""
+
+    def __init__(self, folder: Path, name: str, *options: str, **environment: str) -> None:
+        self.begin = time.perf_counter()
+        command = [sys.executable, "-m", "fatigue_planner", "live", "serve", "paper", "--condition", "multiple_novice"]
+        command += ["--journal", str(folder / name), "--port", "0", "--cache", str(folder / "cache"), *options]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ | environment)
+        assert self.process.stdout is not None
+        found = re.match(r"http://127\.0\.0\.1:(\d+)/", self.process.stdout.readline())
         assert found
-        token = (folder / "http.act-token").read_text().strip()
-        connection = http.client.HTTPConnection("127.0.0.1", int(found[1]), timeout=30)
-        headers = {"Authorization": f"Bearer {token}"}
-
-        def ask(path: str, body: dict[str, object]) -> dict[str, int]:
-            connection.request("POST", path, json.dumps(body), headers)
-            return dict(json.loads(connection.getresponse().read()))
-
-        for _ in range(50):
+        self._headers = {"Authorization": f"Bearer {(folder / f'{name}.act-token').read_text().strip()}"}
+        self._connection = http.client.HTTPConnection("127.0.0.1", int(found[1]), timeout=60)
+        while True:
             try:
-                decision = ask("/v1/decide", {})
+                self.first = self.ask("/v1/decide", {})
                 break
             except ConnectionRefusedError:
-                time.sleep(0.1)
-        times, seen = [], itertools.cycle(SEEN)
-        for _ in range(CYCLES):
-            begin = time.perf_counter()
-            decision = ask("/v1/observe", {"cycle": decision["cycle"], "observation": next(seen)})
-            times.append(time.perf_counter() - begin)
-        server.terminate()
-    told(f"over HTTP, {CYCLES} cycles", times)
+                time.sleep(0.01)
+        self.started_s = time.perf_counter() - self.begin
 
+    def ask(self, path: str, body: dict[str, object]) -> dict[str, int]:
+        self._connection.request("POST", path, json.dumps(body), self._headers)
+        return dict(json.loads(self._connection.getresponse().read()))
+
+    def state(self) -> dict[str, dict[str, int]]:
+        self._connection.request("GET", "/v1/state", headers=self._headers)
+        return dict(json.loads(self._connection.getresponse().read()))
+
+    def __enter__(self) -> "Served":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.terminate()
+        self.process.wait(60)
+
+
+def start(folder: Path, _: fp.Scenario) -> None:
+    """From the command to the first decision, with nothing compiled before and with everything."""
+    with tempfile.TemporaryDirectory() as empty:
+        for what in ("cold", "warm"):
+            with Served(folder, what, XDG_CACHE_HOME=empty) as server:
+                print(f"command to first decision, {what}: {server.started_s:.1f} s")
+
+
+def over_http(folder: Path, _: fp.Scenario) -> None:
+    """Observation sent, decision received, on one connection; without and with real-time priority."""
+    for options in ((), ("--realtime",)):
+        with Served(folder, f"http{len(options)}", *options) as server:
+            if options and (refused := answer_first()):  # the client, too, stands for a robot's program
+                print(f"over HTTP, real time: {refused}")
+                return
+            times, seen, decision = [], itertools.cycle(SEEN), server.first
+            for _number in range(CYCLES):
+                begin = time.perf_counter()
+                decision = server.ask("/v1/observe", {"cycle": decision["cycle"], "observation": next(seen)})
+                times.append(time.perf_counter() - begin)
+            told(f"over HTTP, {CYCLES} cycles{', real time' if options else ''}", times)
+            print(f"  the server's own count of late answers: {server.state()['counts']['late']}")
+
+
+def compute() -> None:
+    """Do nothing useful, for ever."""
+    while True:
+        sum(range(10_000))
+
+
+@contextmanager
+def load(processes: int) -> Iterator[None]:
+    """Beside so many processes that compute."""
+    busy = [multiprocessing.get_context("spawn").Process(target=compute, daemon=True) for _ in range(processes)]
+    for one in busy:
+        one.start()
+    time.sleep(3 if processes else 0)
+    try:
+        yield
+    finally:
+        for one in busy:
+            one.kill()
+
+
+PARTS = {"start": start, "prepared": prepared, "long": long_shift, "resumed": resumed, "http": over_http}
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        print(f"load {os.getloadavg()[0]:.1f}")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("parts", nargs="*", default=list(PARTS), help=f"of {', '.join(PARTS)}; default: all")
+    parser.add_argument("--load", type=int, default=0, help="processes that compute beside it")
+    given = parser.parse_args()
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         experiment = fp.load("paper")
-        scenario = fp.scenario(experiment, fp.simulate(experiment, folder / "cache"), "multiple_novice")
-        in_a_session(folder, scenario)
-        resumed(folder, scenario)
-        over_http(folder)
-        print(f"load {os.getloadavg()[0]:.1f}")
+        task = fp.scenario(experiment, fp.simulate(experiment, folder / "cache"), "multiple_novice")
+        stack.enter_context(load(given.load))
+        for part in given.parts:
+            print(f"load {os.getloadavg()[0]:.1f}, {given.load} processes beside it", flush=True)
+            PARTS[part](folder, task)

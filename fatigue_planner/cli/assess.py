@@ -35,7 +35,8 @@ def assess(
         bool,
         typer.Option(
             "--explain",
-            help="Print the experiments that the station becomes (YAML), without what breaks its limits, and stop.",
+            help="Print the experiments that the station becomes (YAML), without what breaks its limits, and stop; "
+            "with --output, write them there.",
         ),
     ] = False,
     changes: Annotated[
@@ -60,9 +61,8 @@ def assess(
     from fatigue_planner.output.reports.station.pictures import postures_of
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.assess import assess as assess_station
-    from fatigue_planner.station.changes import changed_stations
+    from fatigue_planner.station.assess import planned
     from fatigue_planner.station.loader import load_station
-    from fatigue_planner.station.outcomes import tasks_of
     from fatigue_planner.station.population_reach import questions
     from fatigue_planner.station.tables import plain, write
 
@@ -71,15 +71,15 @@ def assess(
     executor, store = options.executor_of(jobs, None), ReactionCache(cache)
     command = options.command_line("assess", station, cache, results)
     if explain:
-        _explain(settings, store, executor, command, as_json)
+        _explain(settings, store, executor, command, output, as_json)
         return
     folder = writable_folder(output or results / settings.name)
-    stations = [settings, *(each for _, each in changed_stations(settings))] if changes else [settings]
-    motions, asked = sum(len(tasks_of(each)) for each in stations), len(list(questions(settings)))
+    plan = planned(settings, changes)
+    motions, asked = sum(map(len, plan.tasks)), len(list(questions(settings)))
     effort = motions + EFFORT_OF_A_QUESTION * asked
     with progress("Simulating", motions, effort, kept=("motions", cache)) as counter:
         found = assess_station(
-            settings, store, executor, command, lambda made: counter.advance(pieces=made.kept), changes,
+            plan, store, executor, command, lambda made: counter.advance(pieces=made.kept),
             lambda: counter.advance(pieces=0, effort=EFFORT_OF_A_QUESTION),
         )  # fmt: skip
     warn(store.damaged)
@@ -97,8 +97,8 @@ def _text(found: "StationAssessment") -> list[str]:
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += capped(found.headline)
     lines += capped([*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing)])
-    if found.changes:
-        lines += ["", "What one change would do:", *capped(list(of_changes(found.changes)))]
+    changes = [*capped(list(of_changes(found.changes, found.best)))]
+    lines += ["", "What one change would do:", *changes] if found.changes else changes
     lines += ["", "Of the population:", *capped(list(of_population(found.shares)))]
     return [*lines, "", "What this rests on:", *capped(found.assumptions)]
 
@@ -125,13 +125,21 @@ def _written(folder: Path, files: list[Path]) -> str:
     return f"{folder}: {', '.join(path.name for path in files)}"
 
 
-def _explain(station: "Station", store: "ReactionCache", executor: "Executor", command: str, as_json: bool) -> None:
+def _explain(
+    station: "Station",
+    store: "ReactionCache",
+    executor: "Executor",
+    command: str,
+    output: Path | None,
+    as_json: bool,
+) -> None:
     """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands.
 
     With limits, the motions are simulated first: what breaks one is not in them.
     """
     import yaml
 
+    from fatigue_planner.core.files import publish_text, writable_folder
     from fatigue_planner.experiment.loader import complete_content
     from fatigue_planner.station.bound_experiments import bound_experiments
     from fatigue_planner.station.examine import examine
@@ -139,12 +147,15 @@ def _explain(station: "Station", store: "ReactionCache", executor: "Executor", c
 
     outcomes: Sequence[Outcome] = ()
     if station.limits:
-        with progress("Simulating", len(tasks_of(station)), kept=("motions", store.folder)) as counter:
-            examined = examine([station], store, executor, command, lambda made: counter.advance(pieces=made.kept))
+        tasks = tasks_of(station)
+        with progress("Simulating", len(tasks), kept=("motions", store.folder)) as counter:
+            examined = examine(
+                [station], store, executor, command, lambda made: counter.advance(pieces=made.kept), [tasks]
+            )
         outcomes = examined[0].outcomes
         warn(store.damaged)
     contents: dict[str, Any] = {}
-    texts, left_out = [], {}
+    texts, left_out, files = [], {}, []
     for name, experiment, reasons in bound_experiments(station, outcomes):
         text = "".join(f"# left out: {reason}\n" for reason in reasons)
         if experiment is None:
@@ -155,6 +166,10 @@ def _explain(station: "Station", store: "ReactionCache", executor: "Executor", c
             contents[name] = {key: complete[key] for key in own}
             written = yaml.safe_dump(contents[name], sort_keys=False, default_flow_style=None, width=120)
             texts.append(f"# {name}.yaml\n{text}{written}")
+            if output is not None:
+                files.append(writable_folder(output) / f"{name}.yaml")
+                publish_text(files[-1], text + written)
         if reasons:
             left_out[name] = reasons
-    options.present({"experiments": contents, "left_out": left_out}, "---\n".join(texts).rstrip(), as_json)
+    text = "---\n".join(texts).rstrip() if output is None else "\n".join(map(str, files)) or "nothing is left"
+    options.present({"experiments": contents, "left_out": left_out, "files": files}, text, as_json)

@@ -15,12 +15,14 @@ from fatigue_planner.cli.claims import claims
 from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
+from fatigue_planner.cli.reach import reach
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.schedule import schedule
 from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
 from fatigue_planner.cli.validate import schema, validate
 from fatigue_planner.cli.view import view
+from fatigue_planner.cli.watch import watch
 from fatigue_planner.core.errors import SelectionError
 
 app = typer.Typer(
@@ -32,14 +34,17 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS = (
-    init, assess, simulate, benchmark, schedule, claims, report, compare, sensitivity, view, validate, schema, doctor,
+    init, assess, simulate, benchmark, reach, schedule, claims, report, compare, sensitivity, view, validate, schema,
+    doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)
+live.app.command(epilog=options.EXIT_CODES)(watch)
 live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
 live.app.command(epilog=options.EXIT_CODES)(clients.ur)
 live.app.command(epilog=options.EXIT_CODES)(clients.lsl)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
+live.app.command(epilog=options.EXIT_CODES)(shift_report.card)
 for group in (human.app, cache.app, live.app, record.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 

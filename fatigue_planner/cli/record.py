@@ -1,4 +1,4 @@
-"""`fatplan record`: recorded motions, checked."""
+"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,8 +11,11 @@ from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
     from fatigue_planner.recordings.check import Checked
+    from fatigue_planner.recordings.learning.learnt import Learnt
 
-app = typer.Typer(name="record", help="Check recorded motions.", no_args_is_help=True)
+app = typer.Typer(
+    name="record", help="Check recorded motions; recognise reactions; learn preferences.", no_args_is_help=True
+)
 
 Units = Annotated[Literal["mm", "cm", "m"] | None, typer.Option("--units", help="Unit of length.")]
 Up = Annotated[
@@ -59,6 +62,155 @@ def check(
     options.present(document, "\n".join(map(_text, checked)), as_json)
     if document["refused"]:
         raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def learn(
+    cycles: Annotated[
+        Path, typer.Argument(metavar="CYCLES", help="CSV: action, reaction (empty: not seen) and perhaps time_s.")
+    ],
+    experiment: Annotated[
+        Path, typer.Option("--experiment", help="The experiment file (YAML), or the name of one that ships.")
+    ],
+    condition: Annotated[
+        str | None,
+        typer.Option("--condition", help="Condition that says who works and how tired he began. Default: the first."),
+    ] = None,
+    labelled: Annotated[
+        Path | None,
+        typer.Option(
+            "--labelled",
+            help="CSV of labelled repetitions: preference, recognised, count and perhaps action. Default: the "
+            "experiment's recognition is taken for certain.",
+        ),
+    ] = None,
+    write: Annotated[
+        Path | None, typer.Option("--write", help="Write the learnt worker (YAML), to be put into an experiment.")
+    ] = None,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
+) -> None:
+    """Learn beta of Eq. 4, an offset per preference and inertia from the CYCLES of one worker.
+
+    Says what the data cannot tell, and about how many more cycles would.
+    """
+    import yaml
+
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.experiment.build import load_cycle_profiles
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.recordings.learning.worker import learn_worker
+
+    loaded = load_experiment(experiment)
+    profiles = load_cycle_profiles(loaded, cache, options.command_line("simulate", experiment, cache))
+    found = learn_worker(loaded, profiles, condition, cycles, labelled)
+    if write is not None:
+        publish_text(write, yaml.safe_dump(found.worker, sort_keys=False, default_flow_style=None, width=120))
+    document = {
+        "cycles": found.cycles,
+        "seen": found.seen,
+        "parameters": [
+            {
+                "name": one.name, "estimate": one.interval.estimate, "low": one.interval.low,
+                "high": one.interval.high, "told_from_0": one.is_told, "more_cycles": one.more_cycles,
+            }
+            for one in found.parameters
+        ],
+        "models": [
+            {"name": name, "aic": fit.aic, "log_likelihood": fit.log_likelihood, "parameters": fit.parameters}
+            for name, fit in found.fits.items()
+        ],
+        "chosen": found.chosen,
+        "cannot_tell": found.sentences(),
+        "worker": found.worker,
+        "file": write,
+    }  # fmt: skip
+    options.present(document, _learnt_text(found, write), as_json)
+
+
+def _learnt_text(found: "Learnt", write: Path | None) -> str:
+    lines = [f"{counted(found.cycles, 'cycle')}, of which {found.seen} seen. With 95 % intervals:"]
+    lines += [
+        f"  {one.name}: {one.interval.estimate:.4g} ({one.interval.low:.4g} to {one.interval.high:.4g})"
+        for one in found.parameters
+    ]
+    best = min(fit.aic for fit in found.fits.values())
+    ranked = sorted(found.fits.items(), key=lambda item: item[1].aic)
+    lines.append(f"Models by AIC: {', '.join(f'{name} +{fit.aic - best:.1f}' for name, fit in ranked)}.")
+    lines += found.sentences()
+    if write is not None:
+        lines.append(f"{write}: the worker by {found.chosen}.")
+    return "\n".join(lines)
+
+
+@app.command(epilog=options.EXIT_CODES)
+def recognise(
+    experiment: options.ExperimentFile,
+    offset: Annotated[
+        float, typer.Option(min=0, max=30, help="Standard deviation in degrees of the error of a session.")
+    ] = 5.0,
+    noise: Annotated[
+        float, typer.Option(min=0, max=30, help="Standard deviation in degrees of the error that changes.")
+    ] = 3.0,
+    repetitions: Annotated[
+        int, typer.Option(min=1, max=1000, help="How often every worker repeats every reaction.")
+    ] = 20,
+    told_apart: Annotated[
+        float, typer.Option(min=0.5, max=1, help="Two reactions are one if less than this share is told apart.")
+    ] = 0.75,
+    seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Seed of the errors.")] = 0,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
+    as_json: options.Json = False,
+) -> None:
+    """Learn to recognise the reactions of an EXPERIMENT from joint angles, and say how often that errs.
+
+    Every reaction of the cache is repeated with the errors of motion capture, and judged by what the other workers
+    do: at least three must show it. The recogniser, the matrices for the experiment (`recognition_by_action`) and
+    tables of confusions, pairs and how soon a reaction is known go to the results folder.
+    """
+    import yaml
+
+    from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
+    from fatigue_planner.experiment.build import load_reactions
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.recordings.recognition import tables
+    from fatigue_planner.recordings.recognition.recogniser import train
+    from fatigue_planner.recordings.recognition.repetitions import CaptureError, measured
+    from fatigue_planner.recordings.recognition.stored import StoredRecogniser
+
+    settings = load_experiment(experiment)
+    reactions = load_reactions(settings, cache, options.command_line("simulate", experiment, cache))
+    capture = CaptureError(offset_deg=offset, noise_deg=noise, repetitions=repetitions, seed=seed)
+    recogniser, held_out = train(measured(reactions, settings.cycle, capture), settings.cycle, told_apart)
+    digests = {str(reaction.name): reaction.digest for reaction in reactions}
+    stored = StoredRecogniser.of(recogniser, settings.name, digests, capture, told_apart)
+    folder = writable_folder(results / settings.name / "recognition")
+    stored.publish(folder / "recogniser.json")
+    matrices = {action: known.confusion.plain() for action, known in recogniser.actions.items()}
+    written = yaml.safe_dump({"recognition_by_action": matrices}, sort_keys=False, default_flow_style=None, width=120)
+    publish_text(folder / "recognition.yaml", written)
+    made = {
+        "confusion.csv": tables.confusion_table(recogniser),
+        "pairs.csv": tables.pair_table(recogniser),
+        "early.csv": tables.early_table(recogniser, held_out),
+    }
+    for name, table in made.items():
+        publish_csv(folder / name, table)
+    known_from = {action: tables.known_from_s(recogniser, one, action) for action, one in held_out.items()}
+    files = ["recogniser.json", "recognition.yaml", *made]
+    document = {
+        "key": stored.key,
+        "recognition_by_action": matrices,
+        "confusion": made["confusion.csv"].to_dict("records"),
+        "pairs": made["pairs.csv"].to_dict("records"),
+        "known_from_s": known_from,
+        "folder": folder,
+        "files": files,
+    }
+    text = "\n".join(tables.lines(recogniser, known_from))
+    options.present(document, f"{text}\n{folder}: {', '.join(files)}", as_json)
 
 
 def _row(one: "Checked") -> dict[str, Any]:

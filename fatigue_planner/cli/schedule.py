@@ -9,10 +9,9 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import run_jobs, warn
-from fatigue_planner.core.errors import SelectionError
 
 if TYPE_CHECKING:
-    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.cli.scheduled import Scheduled
     from fatigue_planner.study.schedule import Rotation, Worth
 
 MAX_CYCLES = 100_000
@@ -24,12 +23,22 @@ CARD = "schedule_card"
 
 
 def schedule(
-    experiment: options.ExperimentFile = options.DEFAULT_EXPERIMENT,
-    conditions: options.Conditions = None,
-    cycles: Annotated[
-        int | None, typer.Option(min=1, max=MAX_CYCLES, help="Length of the task; default: the file's longest.")
+    experiment: Annotated[
+        Path,
+        typer.Argument(
+            metavar="EXPERIMENT", help="The experiment or the station (YAML), or the name of one that ships."
+        ),
+    ] = options.DEFAULT_EXPERIMENT,
+    conditions: Annotated[
+        list[str] | None, typer.Option(help="Only this condition, or this worker of a station (repeatable).")
     ] = None,
-    longest: Annotated[int, typer.Option(min=1, max=8, help="The most steps of the schedule.")] = 8,
+    cycles: Annotated[
+        int | None,
+        typer.Option(min=1, max=MAX_CYCLES, help="Length of the task; default: the file's longest; of a station, 100."),
+    ] = None,
+    longest: Annotated[
+        int | None, typer.Option(min=1, max=8, help="The most steps of the schedule; default: 8; of a station, 6.")
+    ] = None,
     trials: options.Trials = None,
     seed: options.Seed = None,
     bound: Annotated[
@@ -47,46 +56,48 @@ def schedule(
     It is one schedule for the workers of all conditions, or of those that --conditions names. Every worker's cost is
     compared with that of the best fixed action, of greedy and of exact planning, by runs with common random numbers.
     Needs the reactions of `fatplan simulate`. A card to print goes to the results folder (PNG, SVG).
+
+    Of a station: a sequence of its places that are allowed, each worker in the way that is best there. What is missing
+    is simulated.
     """
-    from fatigue_planner.core.files import writable_folder
-    from fatigue_planner.experiment.build import load_cycle_profiles, scenario
-    from fatigue_planner.experiment.feasibility import omissions, without_infeasible
-    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.cli.scheduled import scheduled_experiment, scheduled_station
+    from fatigue_planner.core.errors import ExperimentError
+    from fatigue_planner.core.file_kinds import FileKind, kind_of
+    from fatigue_planner.core.files import find_shipped, writable_folder
+    from fatigue_planner.core.yaml_reader import read_yaml
     from fatigue_planner.study.benchmark.bounds import bound_jobs, bound_rows
-    from fatigue_planner.study.benchmark.selection import Selection, selected
+    from fatigue_planner.study.benchmark.selection import Selection
     from fatigue_planner.study.schedule import find_rotation, rotation_cells, worth_of
 
-    settings = load_experiment(experiment)
-    if settings.discount == 1:
-        raise SelectionError(f"{experiment}: discount = 1: a schedule repeats for ever; it needs a discount below 1.")
-    asked = selected(settings, Selection(conditions=conditions, trials=trials, seed=seed))
-    simulate = options.command_line("simulate", experiment, cache)
-    profiles = load_cycle_profiles(asked, cache, simulate)
-    grid = without_infeasible(asked, profiles)
-    warn(omissions(asked, profiles))
-    scenarios = {name: scenario(grid, profiles, condition) for name, condition in grid.benchmark.conditions.items()}
-    executor = options.executor_of(jobs, dask)
-    rotation = find_rotation(scenarios, longest)
-    n_cycles = cycles or max(grid.benchmark.n_cycles)
-    cells = rotation_cells(scenarios, rotation.actions, n_cycles, grid.benchmark.seed, grid.benchmark.trials)
-    folder = writable_folder(results / settings.name / "schedule")
-    store = writable_folder(results / settings.name / "parts")
+    wanted, executor = Selection(conditions=conditions, trials=trials, seed=seed), options.executor_of(jobs, dask)
+    if kind_of(read_yaml(find_shipped(experiment), ExperimentError)) is FileKind.STATION:
+        task = scheduled_station(experiment, wanted, cache, executor)
+    else:
+        task = scheduled_experiment(experiment, wanted, cache)
+        warn(task.left_out)
+    rotation = find_rotation(task.scenarios, longest or task.longest)
+    n_cycles = cycles or task.n_cycles
+    cells = rotation_cells(task.scenarios, rotation.actions, n_cycles, task.seed, task.trials)
+    folder = writable_folder(results / task.name / "schedule")
+    store = writable_folder(results / task.name / "parts")
     done = run_jobs(cells, store, executor, "Comparing the schedule", "runs")
     bounds = {}
     if bound:
-        asked_bounds, bound_store = bound_jobs(cells), writable_folder(results / settings.name / "bounds")
+        asked_bounds, bound_store = bound_jobs(cells), writable_folder(results / task.name / "bounds")
         bounded = bound_rows(
             asked_bounds, run_jobs(asked_bounds, bound_store, executor, "Bounding the least cost", "bounds")
         )
         bounds = dict(zip(bounded["condition"], bounded["cost_bound"].tolist(), strict=True))
-    found = worth_of(cells, done, grid.statistics, longest)
-    lines = _text(rotation, found, bounds, n_cycles)
-    files = _draw_card(grid, folder, cache, simulate, rotation, found, n_cycles)
+    found = worth_of(cells, done, task.statistics, longest or task.longest)
+    lines = _text(task, rotation, found, bounds, n_cycles)
+    files = _draw_card(task, folder, rotation, found, n_cycles)
     document = {
         "schedule": rotation.actions,
         "exact": rotation.exact,
         "n_cycles": n_cycles,
-        "trials": grid.benchmark.trials,
+        "trials": task.trials,
+        "places": [task.places[action] for action in rotation.actions if task.places],
+        "left_out": task.left_out,
         "conditions": [_entry(rotation, worth, bounds) for worth in found],
         "folder": folder,
         "files": files,
@@ -115,12 +126,19 @@ def _entry(rotation: "Rotation", worth: "Worth", bounds: Mapping[str, float]) ->
     }
 
 
-def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, float], n_cycles: int) -> list[str]:
+def _text(
+    task: "Scheduled", rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, float], n_cycles: int
+) -> list[str]:
     from fatigue_planner.core.text import format_label, listing, percent, significant
     from fatigue_planner.study.schedule import BEST_FIXED, ERGONOMIC, GREEDY, PLANNING
 
     how = "the best of all that are no longer" if rotation.exact else "found by search"
     lines = [f"Schedule, repeated for ever: {', '.join(rotation.actions)} ({how})."]
+    if any(len(places) > 1 for places in task.places.values()):
+        for action in dict.fromkeys(rotation.actions):
+            at = listing([f"{operation} at {place}" for operation, place in task.places[action].items()])
+            lines.append(f"  {action} is {at}.")
+    lines += [f"  {reason}." for reason in task.left_out]
     for worth in found:
         own, loss = rotation.own[worth.condition]
         saved = worth.savings
@@ -131,8 +149,8 @@ def _text(rotation: "Rotation", found: "Sequence[Worth]", bounds: Mapping[str, f
             *(
                 f"  costs {saved[other].compared(what)}"
                 for other, what in (
-                    (BEST_FIXED, f"always {worth.best_fixed}, the best fixed action"),
-                    (ERGONOMIC, "the action that is most ergonomic in one cycle, for ever"),
+                    (BEST_FIXED, f"always {worth.best_fixed}, the best fixed {task.choice}"),
+                    (ERGONOMIC, f"the {task.choice} that is most ergonomic in one cycle, for ever"),
                     (GREEDY, "greedy"),
                     (PLANNING, "exact planning in every cycle (what closing the loop is worth)"),
                 )
@@ -163,47 +181,24 @@ def _spared_joints(worth: "Worth") -> list[str]:
 
 
 def _draw_card(
-    grid: "Experiment",
-    folder: Path,
-    cache: Path,
-    simulate: str,
-    rotation: "Rotation",
-    found: "Sequence[Worth]",
-    n_cycles: int,
+    task: "Scheduled", folder: Path, rotation: "Rotation", found: "Sequence[Worth]", n_cycles: int
 ) -> list[Path]:
     """The card for the first condition's worker."""
     from fatigue_planner.core.text import counted, format_label, listing, percent
-    from fatigue_planner.experiment.build import reaction_requests
-    from fatigue_planner.human.model import build_human
     from fatigue_planner.output.figures.schedule_card import schedule_card
     from fatigue_planner.output.figures.style import FigureFolder
-    from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.reactions.reaction import Reaction
     from fatigue_planner.study.schedule import BEST_FIXED, PLANNING
 
-    conditions = grid.benchmark.conditions
-    worker = grid.worker_of(conditions[found[0].condition])
-    shown = next(iter(grid.preferences))
-    requests = [
-        request
-        for request in reaction_requests(grid)
-        if request.name.worker == worker
-        and request.name.preference == shown
-        and request.name.action in rotation.actions
-    ]
-    reactions = [one for one in ReactionCache(cache).stream(requests, simulate) if isinstance(one, Reaction)]
-    notes = [
-        f"{counted(len(rotation.actions), 'step')}, one per cycle, then from 1 again. Drawn: {format_label(worker)}, "
-        f"{format_label(shown)} reaction."
-    ]
+    drawn = task.drawn(rotation.actions)
+    notes = [f"{counted(len(rotation.actions), 'step')}, one per cycle, then from 1 again. Drawn: {drawn.label}."]
     for worth in found[:NAMED_CONDITIONS]:
         saved, more = worth.savings[BEST_FIXED], worth.savings[PLANNING].turned()
         planned = f"{percent(more.share, 1)} more than with a robot that plans"
         if more.share <= 0 or more.low < 0:
             planned = "as much as with a robot that plans, within chance"
         line = (
-            f"{format_label(worth.condition).capitalize()}: {percent(saved.share, 0)} less fatigue (cost of {n_cycles} "
-            f"cycles) than always {format_label(worth.best_fixed)}; {planned}"
+            f"{task.labels[worth.condition]}: {percent(abs(saved.share), 0)} {'more' if saved.share < 0 else 'less'} "
+            f"fatigue (cost of {n_cycles} cycles) than always {format_label(worth.best_fixed)}; {planned}"
         )
         spared = _spared_joints(worth)
         notes.append(
@@ -212,9 +207,7 @@ def _draw_card(
     if len(found) > NAMED_CONDITIONS:
         notes.append(f"And {counted(len(found) - NAMED_CONDITIONS, 'other condition')}.")
     figures = FigureFolder(folder)
-    title = f"{format_label(grid.name)}: one step per cycle, in this order"
-    figure, steps = schedule_card(
-        title, rotation.actions, grid.actions, build_human(grid.workers[worker]), reactions, notes
-    )
+    title = f"{format_label(task.name)}: one step per cycle, in this order"
+    figure, steps = schedule_card(title, rotation.actions, drawn.human, drawn.steps, notes)
     figures.add(CARD, figure, steps)
     return figures.files

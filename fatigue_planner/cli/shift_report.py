@@ -7,7 +7,7 @@ import typer
 
 from fatigue_planner.cli import live, options
 from fatigue_planner.cli.progress import talk
-from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.errors import SelectionError, listed
 
 
 def report(
@@ -94,3 +94,47 @@ def _named(journal: Path, experiment: str) -> Path | None:
 
 def _again(journal: Path, worker: str | None) -> str:
     return f"fatplan live report {journal.name}" + ("" if worker is None else " --worker YOUR-PSEUDONYM")
+
+
+def card(
+    source: Annotated[
+        Path, typer.Argument(metavar="SOURCE", help="An experiment, or the journal of a shift, which names one.")
+    ],
+    output: Annotated[Path, typer.Option("--output", help="The page to write.")] = Path("card.html"),
+    condition: Annotated[
+        str | None, typer.Option("--condition", help="Condition of the experiment's benchmark.")
+    ] = None,
+    keep_days: Annotated[
+        int | None, typer.Option("--keep-days", min=1, help="For how many days journals are kept.")
+    ] = None,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
+) -> None:
+    """Write one page for the works council: what is processed about workers, what for, how long, and who sees it."""
+    from fatigue_planner.core.files import find_shipped, publish_text
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.live.journal_file import read_journal
+    from fatigue_planner.live.record import record_of
+    from fatigue_planner.live.retention import is_journal
+    from fatigue_planner.output.reports.shift.card import Told, card
+
+    if output.suffix != ".html":
+        raise SelectionError(f"--output {output}: should end in .html.")
+    named: Path | None = source
+    policy = "a lookahead of 2 cycles by default, or a policy of the experiment"
+    if is_journal(source):
+        record = record_of(read_journal(source))
+        if record is None:
+            raise SelectionError(f"{source}: is empty; no shift was begun.")
+        opened = record.segments[-1].opened
+        named, condition = _named(source, opened.experiment), opened.scenario_name or None
+        policy = f"the policy `{opened.policy.get('kind', '?')}`"
+        if named is None:
+            raise SelectionError(f"{source}: names no experiment; give that instead.")
+    assert named is not None
+    loaded = load_experiment(find_shipped(named))
+    known = loaded.benchmark.conditions
+    if condition is not None and condition not in known:
+        raise SelectionError(f"--condition {condition}: not in the experiment's benchmark; available: {listed(known)}.")
+    publish_text(output, card(Told(loaded, condition, policy, keep_days)))
+    options.present({"file": output}, f"{output}.", as_json)

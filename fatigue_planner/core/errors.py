@@ -172,6 +172,10 @@ class RecordingError(FatplanError):
     """A file is no recording that can be used, or contradicts itself."""
 
 
+class RecognitionError(FatplanError):
+    """Labelled repetitions are too few, or a file is no recogniser that this version can use."""
+
+
 class DamagedFileError(FatplanError):
     """A file of the cache or of the results is not what was written."""
 

@@ -1,5 +1,6 @@
 """The kinds of files that users write, and which of them a file is."""
 
+import shlex
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ class FileKind(StrEnum):
 _ABOUT = {
     FileKind.STUDY: (("factors",), "a study", "sensitivity", "`fatplan sensitivity`"),
     FileKind.CLAIMS: (("experiment", "claims"), "a file of claims", "paper_claims", "`fatplan claims`"),
-    FileKind.STATION: (("operations",), "a station", "car_line", "`fatplan assess`"),
+    FileKind.STATION: (("operations",), "a station", "car_line", "`fatplan assess` and `schedule`"),
     FileKind.EXPERIMENT: (("actions",), "an experiment", "paper", "`fatplan simulate`, `benchmark` and `report`"),
 }
 
@@ -43,5 +44,10 @@ def mapping_of_kind(path: Path, content: Any, kind: FileKind, error_type: type[F
     found = kind_of(content)
     found_keys, found_words, _, commands = _ABOUT[found]
     if found is not kind and keys[0] not in content and not content.keys().isdisjoint(found_keys):
-        raise error_type(f"{path}: is {found_words}, not {words}; it is for {commands}.")
+        wanted = f"{path}: is {found_words}, not {words}; it is for {commands}."
+        if (found, kind) == (FileKind.STATION, FileKind.EXPERIMENT):
+            wanted += (
+                f" `fatplan assess {shlex.quote(str(path))} --explain --output DIR` writes the experiments it becomes."
+            )
+        raise error_type(wanted)
     return content

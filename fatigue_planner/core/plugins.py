@@ -100,7 +100,7 @@ def annotation_of(field: FieldInfo) -> Any:
 
 
 def register(kind: T) -> T:
-    """Class decorator of a plug-in: add a kind of policy, belief, motion task, fatigue law, posture cost or indicator.
+    """Class decorator of a plug-in: add a kind to one of its extension points, such as policies (docs/plugins.md).
 
     Raises PluginError if it has another base class, has no name, or another kind has the same name.
 

@@ -49,6 +49,10 @@ class Condition(Settings):
     hidden_worker: Name | None = Field(
         default=None, description="What the robot does not know of the worker: a hidden worker; left out, nothing."
     )
+    choice_model: Name | None = Field(
+        default=None,
+        description="By what the worker chooses besides costs: a choice model; left out, nothing (Eq. 4).",
+    )
 
 
 def usual_conditions(workers: Iterable[str] = ("",), beliefs: Iterable[str] = (RESTED,)) -> dict[str, Condition]:

@@ -9,6 +9,7 @@ import numpy as np
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.benchmark_settings import Condition
 from fatigue_planner.experiment.feasibility import performable_actions
+from fatigue_planner.experiment.robot_cell import RobotCell
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import fatigue_state
 from fatigue_planner.fatigue.load import cycle_profile
@@ -74,12 +75,13 @@ def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str
 def cycle_profiles(
     experiment: Experiment, reactions: Iterable[Reaction | FailedReaction]
 ) -> dict[ReactionName, CycleProfile]:
-    """How one cycle of each of these reactions loads the worker; failed ones have none."""
+    """How one cycle of each of these reactions loads the worker; none for those that failed or the robot rules out."""
     parameters = worker_fatigue(experiment)
+    robot = None if experiment.robot is None else RobotCell(experiment)
     return {
         reaction.name: reaction_profile(experiment, parameters, reaction.name.worker, reaction.motion)
         for reaction in reactions
-        if isinstance(reaction, Reaction)
+        if isinstance(reaction, Reaction) and (robot is None or robot.admits(reaction.name, reaction.motion))
     }
 
 
@@ -120,13 +122,15 @@ def scenario(experiment: Experiment, profiles: Mapping[ReactionName, CycleProfil
     preferences = tuple(experiment.preferences)
     observations, matrix = preferences, None
     if experiment.recognition_errs():
-        observations, matrix = experiment.recognised()
+        observations, matrix = experiment.recognised(actions)
+    choices = None if condition.choice_model is None else experiment.choice_models[condition.choice_model]
     cost = experiment.cost.fatigue_cost()
     parameters = fatigue_parameters(experiment.fatigue, maximum_torque(experiment.workers[worker].strength))
     timing = Timing(experiment.cycle.duration_s, parameters.law.rest(parameters))
     model = build_pomdp(
-        actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost, timing
-    )
+        actions, preferences, own, fatigue, workers, experiment.discount, matrix, observations, cost, timing,
+        None if choices is None else choices.log_odds(preferences),
+    )  # fmt: skip
     weights = np.array([state.probability for state in start])
     belief = experiment.belief or default_belief(model.observation_reveals_outcome, prior)
     states = np.array([model.state(levels) for levels in fatigue])

@@ -80,8 +80,13 @@ def _actions_left_out(experiment: Experiment, performed: Container[ReactionName]
             for action in experiment.actions
         }
         named = [f"{action} (with {' or '.join(preferences)})" for action, preferences in failed.items() if preferences]
-        if named:
+        if named and experiment.robot is None:
             yield f"{worker} cannot perform {listed(named)}: left out of this worker's conditions."
+        elif named:
+            yield (
+                f"{worker} cannot perform {listed(named)}, or the robot cannot present it far enough from the body: "
+                "left out of this worker's conditions. `fatplan reach` says what the robot can."
+            )
 
 
 def _conditions_left_out(experiment: Experiment, performed: Container[ReactionName]) -> Iterator[str]:

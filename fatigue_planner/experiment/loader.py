@@ -24,8 +24,8 @@ GRIDS = {Position.__name__, "Place"}
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 # Below these keys are entries that users name themselves; what is left out in one is not worth a word.
 ENTRIES = (
-    "actions", "preferences", "initial_beliefs", "hidden_workers", "benchmark.conditions", "benchmark.policies",
-    "statistics.families",
+    "actions", "preferences", "initial_beliefs", "hidden_workers", "choice_models", "recognition_by_action",
+    "benchmark.conditions", "benchmark.policies", "statistics.families",
 )  # fmt: skip
 
 

@@ -30,13 +30,18 @@ from fatigue_planner.motion.settings import MAX_TICKS, Accuracy, Controller, Cyc
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.planners.pomcp.policy import PomcpSettings
 from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
+from fatigue_planner.pomdp.choices.registry import AnyChoiceModel
 from fatigue_planner.pomdp.cost import not_quadratic
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
+from fatigue_planner.robot.settings import RobotSettings
 
 # What can be checked in half a second and named in one table.
 MAX_ACTIONS = 10_000
 MAX_REACTIONS = 100_000
 MAX_CELLS = 100_000
+
+# Preference, what it is recognised as, probability.
+Recognition = dict[Name, dict[Name, Level]]
 
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
@@ -71,6 +76,11 @@ class Experiment(Settings):
     )
     actions: dict[Name, Action] = Field(
         min_length=1, max_length=MAX_ACTIONS, description="What the robot can choose between, by name."
+    )
+    robot: RobotSettings | None = Field(
+        default=None,
+        description="The robot that presents the object. Actions that it cannot present, or only too near to the "
+        "worker, are left out of planning. Default: whatever is needed is presented.",
     )
     preferences: dict[Name, Preference] = Field(
         default_factory=usual_preferences,
@@ -108,10 +118,22 @@ class Experiment(Settings):
         max_length=1000,
         description="What the robot may not know of a worker, by name: distributions of rates and expertise.",
     )
-    recognition: dict[Name, dict[Name, Level]] | None = Field(
+    choice_models: dict[Name, AnyChoiceModel] = Field(
+        default_factory=dict,
+        max_length=1000,
+        description="By what a worker chooses preferences besides their cost, by name. Conditions that name none: by "
+        "nothing (Eq. 4).",
+    )
+    recognition: Recognition | None = Field(
         default=None,
         description="Probabilities with which a reaction is recognised: preference, what it is recognised as, "
         "probability. Default: reactions are recognised without error.",
+    )
+    recognition_by_action: dict[Name, Recognition] = Field(
+        default_factory=dict,
+        max_length=MAX_ACTIONS,
+        description="The same for single actions, whose reactions are told apart better or worse: action, preference, "
+        "what it is recognised as, probability. Default: `recognition` for all.",
     )
     belief: AnyBelief | None = Field(
         default=None,
@@ -164,7 +186,7 @@ class Experiment(Settings):
         faults = [
             *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
             *self._named_action_faults(), *self._endless_faults(), *self._family_faults(), *self._figure_faults(),
-            *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(),
+            *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(), *self._choice_faults(),
         ]  # fmt: skip
         if faults:
             raise ValueError("\n".join(faults))
@@ -276,12 +298,31 @@ class Experiment(Settings):
             yield "benchmark.reference.leaf_value: greedy_rollout is noisy where choices are chance; use none or bound"
 
     def _recognition_faults(self) -> Iterator[str]:
-        if self.recognition is None:
-            return
-        if set(self.recognition) != set(self.preferences):
-            yield f"recognition: needs a line for each of {listed(self.preferences)}, and no other"
-        for name, line in self.recognition.items():
-            yield from _not_one(f"recognition.{name}", line.values())
+        if unknown := [action for action in self.recognition_by_action if action not in self.actions]:
+            yield f"recognition_by_action: {listed(unknown)}: not among the actions {listed(self.actions)}"
+        for key, matrix in self._recognitions():
+            if set(matrix) != set(self.preferences):
+                yield f"{key}: needs a line for each of {listed(self.preferences)}, and no other"
+            for name, line in matrix.items():
+                yield from _not_one(f"{key}.{name}", line.values())
+
+    def _recognitions(self) -> Iterator[tuple[str, Recognition]]:
+        """The matrices of recognition that are given, by their keys."""
+        if self.recognition is not None:
+            yield "recognition", self.recognition
+        for action, matrix in self.recognition_by_action.items():
+            yield f"recognition_by_action.{action}", matrix
+
+    def _choice_faults(self) -> Iterator[str]:
+        for name, choices in self.choice_models.items():
+            for key, preferences in choices.preferences_named().items():
+                if unknown := [preference for preference in preferences if preference not in self.preferences]:
+                    known = listed(self.preferences)
+                    yield f"choice_models.{name}.{key}: {listed(unknown)}: not among the preferences {known}"
+        for name, condition in self.benchmark.conditions.items():
+            if condition.choice_model is not None and condition.choice_model not in self.choice_models:
+                known = listed(self.choice_models) or "none: there are no choice_models"
+                yield f"benchmark.conditions.{name}.choice_model: {condition.choice_model!r} is not one of {known}"
 
     def _belief_faults(self) -> Iterator[str]:
         if self.belief is None or self.belief.kind != "exact":
@@ -298,16 +339,19 @@ class Experiment(Settings):
 
     def recognition_errs(self) -> bool:
         """Whether a reaction may be taken for another one."""
-        return any(line.get(name, 0.0) < 1 for name, line in (self.recognition or {}).items())
+        return any(line.get(name, 0.0) < 1 for _, matrix in self._recognitions() for name, line in matrix.items())
 
-    def recognised(self) -> tuple[tuple[str, ...], NDArray[np.float64]]:
-        """What a reaction can be recognised as, and the probabilities (preferences, observations)."""
-        assert self.recognition is not None
-        names = tuple(
-            dict.fromkeys([*self.preferences, *(name for line in self.recognition.values() for name in line)])
+    def recognised(self, actions: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
+        """What a reaction can be recognised as, and the probabilities (1 or actions, preferences, observations)."""
+        given = [name for _, matrix in self._recognitions() for line in matrix.values() for name in line]
+        names = tuple(dict.fromkeys([*self.preferences, *given]))
+        usual = self.recognition or {name: {name: 1.0} for name in self.preferences}
+        matrices = [self.recognition_by_action.get(action, usual) for action in actions]
+        if not self.recognition_by_action:
+            matrices = [usual]
+        return names, np.array(
+            [[[matrix[u].get(name, 0.0) for name in names] for u in self.preferences] for matrix in matrices]
         )
-        rows = [[self.recognition[preference].get(name, 0.0) for name in names] for preference in self.preferences]
-        return names, np.array(rows)
 
     def worker_of(self, condition: Condition) -> str:
         """The name of a condition's worker."""

@@ -13,6 +13,7 @@ from fatigue_planner.core.settings import Settings
 FORMAT = 1
 # Names are those of the experiment, notes are a person's.
 MAX_NOTE_LENGTH = 500
+MAX_SOURCE_LENGTH = 200
 # A day and a half: longer is no pause of a shift.
 MAX_SECONDS = 129_600.0
 
@@ -35,7 +36,7 @@ class AlarmSettings(Settings):
     """
 
     limit: Annotated[float, Field(gt=0, lt=1)] = 0.5
-    limit_source: Annotated[str, Field(max_length=200)] = "an assumption: half of the strength is gone"
+    limit_source: Annotated[str, Field(max_length=MAX_SOURCE_LENGTH)] = "an assumption: half of the strength is gone"
     repeat_s: Annotated[float, Field(ge=1, le=MAX_SECONDS)] = 600.0
 
 
@@ -256,6 +257,13 @@ class Cleared(Settings):
     entry: str
 
 
+class Refused(Settings):
+    """Requests that may not pass, by their HTTP status, since this was told last; at most once a second."""
+
+    kind: Literal["refused"] = "refused"
+    counts: dict[str, int]
+
+
 class Closed(Settings):
     """The session was closed in good order."""
 
@@ -283,6 +291,7 @@ Event = (
     | Alarmed
     | Acknowledged
     | Cleared
+    | Refused
     | Closed
 )
 ANY_EVENT: TypeAdapter[Event] = TypeAdapter(Annotated[Event, Field(discriminator="kind")])

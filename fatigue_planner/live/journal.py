@@ -8,6 +8,7 @@ import sys
 import threading
 from collections import deque
 from contextlib import ExitStack, suppress
+from datetime import datetime
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -28,7 +29,7 @@ class Queued(NamedTuple):
     """
 
     number: int
-    row: tuple[Event, float, str] | None = None
+    row: tuple[Event, float, datetime | str] | None = None
     worker: list[str] | None = None
 
     @property
@@ -41,6 +42,7 @@ class Queued(NamedTuple):
         if self.row is None:
             return json.dumps({"worker": self.worker}).encode() + b"\n"
         event, seconds, utc = self.row
+        utc = utc.isoformat() if isinstance(utc, datetime) else utc
         return json.dumps({"row": [self.number, seconds, utc, body_of(event)]}).encode() + b"\n"
 
 
@@ -83,7 +85,7 @@ class Journal:
         self._thread = threading.Thread(target=self._pump, name="fatplan journal", daemon=True)
         self._thread.start()
 
-    def append(self, event: Event, seconds: float, utc: str) -> int:
+    def append(self, event: Event, seconds: float, utc: datetime | str) -> int:
         """Hand an event over and return its number at once; it is durable when `durable_up_to` has reached that.
 
         Its text is made in the journal's thread: no answer waits for that.

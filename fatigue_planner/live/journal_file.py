@@ -7,6 +7,7 @@ What joins a worker's random number to a pseudonym is a table of its own, which 
 import fcntl
 import hashlib
 import os
+import re
 import sqlite3
 import time
 from collections.abc import Iterator
@@ -36,8 +37,8 @@ CREATE TABLE IF NOT EXISTS worker (random TEXT PRIMARY KEY, pseudonym TEXT NOT N
 # In "fatp", so that `file` and SQLite tell a journal from other databases.
 APPLICATION_ID = 0x66617470
 BEGINNING = "fatplan journal"  # what the first row is chained to
-# A program that was killed has a process that still writes what had been handed over.
-LOCK_WAIT_S = 5.0
+# A program that ends may take so long; the process of one that was killed writes what had been handed over first.
+LOCK_WAIT_S, ORPHAN_WAIT_S = 5.0, 60.0
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,22 @@ def connect(path: Path) -> sqlite3.Connection:
 
 
 def create(path: Path) -> None:
-    """Make an empty journal that only its owner can read. Raises OutputFolderError."""
+    """Make an empty journal that only its owner can read; it is there whole or not at all. Raises OutputFolderError."""
+    begun = path.with_name(f"{path.name}.begun")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
-        with closing(connect(path)) as connection:
+        for left in ("", "-wal", "-shm"):  # by a program that was killed here
+            begun.with_name(f"{begun.name}{left}").unlink(missing_ok=True)
+        os.close(os.open(begun, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o600))
+        with closing(connect(begun)) as connection:
             connection.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             connection.executescript(SCHEMA)
+        begun.replace(path)
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
     except (OSError, sqlite3.Error) as error:
         raise OutputFolderError(f"{path}: a journal cannot be written there ({error}).") from error
 
@@ -180,14 +190,14 @@ def lock(path: Path) -> Iterator[int]:
     """
     descriptor = os.open(path.with_name(f"{path.name}.lock"), os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o600)
     try:
-        until = time.monotonic() + LOCK_WAIT_S
+        began = time.monotonic()
         while True:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 break
             except BlockingIOError:
-                if time.monotonic() > until:
-                    holder = os.pread(descriptor, 200, 0).decode("ascii", "replace")
+                holder = os.pread(descriptor, 200, 0).decode("ascii", "replace")
+                if time.monotonic() > began + (LOCK_WAIT_S if _lives(holder) else ORPHAN_WAIT_S):
                     raise JournalInUseError(f"{path}: is being written by {holder or 'another program'}.") from None
                 time.sleep(0.05)
         os.ftruncate(descriptor, 0)
@@ -195,6 +205,12 @@ def lock(path: Path) -> Iterator[int]:
         yield descriptor
     finally:
         os.close(descriptor)
+
+
+def _lives(holder: str) -> bool:
+    """Whether the program that a lock names is still there."""
+    number = re.match(r"process (\d+) ", holder)
+    return number is None or Path(f"/proc/{number[1]}").exists() or not Path("/proc").is_dir()
 
 
 def _intact(path: Path) -> tuple[list[Stored], str]:

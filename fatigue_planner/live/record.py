@@ -26,9 +26,6 @@ from fatigue_planner.live.events import (
 )
 from fatigue_planner.live.journal_file import Stored
 
-# The time of day and the clock that is never set back go apart by less on their own.
-MAX_DRIFT_S = 1.0
-
 PauseKind = Literal["said", "clock", "away"]
 
 
@@ -55,19 +52,20 @@ class Pause:
 
 
 @dataclass(frozen=True)
-class ClockSet:
-    """The time of day was set: after so many s since the journal began, by so many s."""
-
-    at_s: float
-    by_s: float
-
-
-@dataclass(frozen=True)
 class Step:
     """An input in its place, and when it was said, in s since the journal began."""
 
     at_s: float
     event: Input
+
+
+@dataclass(frozen=True)
+class Aside:
+    """What is neither an input nor a decision, when, and who worked."""
+
+    at_s: float
+    worker: str
+    event: Event
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class Segment:
     began_s: float
     steps: list[Step] = field(default_factory=list)
     decided: list[Decided] = field(default_factory=list)
-    others: list[tuple[float, Event]] = field(default_factory=list)
+    asides: list[Aside] = field(default_factory=list)
     late: set[int] = field(default_factory=set)
 
     def by_worker(self) -> Iterator[tuple[str, Step]]:
@@ -125,12 +123,11 @@ class Segment:
 
 @dataclass(frozen=True)
 class Record:
-    """A journal: its segments, how often the clock was set, and the time of day at its beginning."""
+    """A journal: its segments, the time of day at its beginning, and how long it goes on."""
 
     segments: tuple[Segment, ...]
     began: datetime
     lasted_s: float
-    clock_sets: tuple[ClockSet, ...]
     is_closed: bool
 
     @property
@@ -147,25 +144,28 @@ def record_of(events: Sequence[Stored]) -> Record | None:
     """What the events of a journal say; None of an empty one."""
     if not events:
         return None
-    at_s, clock_sets = _times(events)
+    at_s = _times(events)
     segments: list[Segment] = []
+    worker = ""
     for stored, when_s in zip(events, at_s, strict=True):
         event = stored.event
         if isinstance(event, Opened):
             segments.append(Segment(event, when_s))
+            worker = ""
             continue
         segment = segments[-1]
         if isinstance(event, Observed) and event.late:
             _tell_late(segment, event)
         elif isinstance(event, Input):
             segment.steps.append(Step(when_s, event))
+            worker = event.worker if isinstance(event, WorkerChanged) else worker
         elif isinstance(event, Decided):
             segment.decided.append(event)
         else:
-            segment.others.append((when_s, event))
+            segment.asides.append(Aside(when_s, worker, event))
     last = datetime.fromisoformat(events[-1].utc)
     began = last - timedelta(seconds=at_s[-1])
-    return Record(tuple(segments), began, at_s[-1], clock_sets, isinstance(events[-1].event, Closed))
+    return Record(tuple(segments), began, at_s[-1], isinstance(events[-1].event, Closed))
 
 
 def _tell_late(segment: Segment, event: Observed) -> None:
@@ -178,19 +178,18 @@ def _tell_late(segment: Segment, event: Observed) -> None:
             return
 
 
-def _times(events: Sequence[Stored]) -> tuple[list[float], tuple[ClockSet, ...]]:
-    """When every event was, in s since the first, and when the time of day was set."""
-    at_s, clock_sets = [0.0], []
-    origin = _origin(events[0].event)
+def _times(events: Sequence[Stored]) -> list[float]:
+    """When every event was, in s since the first."""
+    at_s, origin = [0.0], _origin(events[0].event)
     for before, after in pairwise(events):
         now = _origin(after.event) or origin
-        by_day_s = (datetime.fromisoformat(after.utc) - datetime.fromisoformat(before.utc)).total_seconds()
-        passed_s = max(after.seconds - before.seconds if now == origin else by_day_s, 0.0)
-        at_s.append(at_s[-1] + passed_s)
-        if now == origin and abs(by_day_s - passed_s) > MAX_DRIFT_S:
-            clock_sets.append(ClockSet(at_s[-1], by_day_s - passed_s))
+        if now == origin:
+            passed_s = after.seconds - before.seconds
+        else:
+            passed_s = (datetime.fromisoformat(after.utc) - datetime.fromisoformat(before.utc)).total_seconds()
+        at_s.append(at_s[-1] + max(passed_s, 0.0))
         origin = now
-    return at_s, tuple(clock_sets)
+    return at_s
 
 
 def _origin(event: Event) -> str:

@@ -44,6 +44,7 @@ from fatigue_planner.live.events import (
     Noted,
     Observed,
     Opened,
+    Refused,
     Rested,
     Resumed,
     SearchFailed,
@@ -217,7 +218,7 @@ class Session:
         with self._turn() as began:
             if cycle == self._shift.cycle + 1 and self._pending is not None:
                 unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._doing(self._pending.action)))
-                self._end(unseen.model_copy(update={"idle_s": self._idle(unseen)}))
+                self._end(self._after_rest(unseen))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
             return self._decided(began)
@@ -270,7 +271,7 @@ class Session:
             event = self._checked(cycle, executed, observation, likelihood, duration_s)
             before = self._shift.recent(cycle)
             if before is None:
-                self._end(event.model_copy(update={"idle_s": self._idle(event)}))
+                self._end(self._after_rest(event))
             elif said.says_the_same(event, before):
                 pass
             elif isinstance(before, Observed) and before.is_blind:
@@ -365,6 +366,11 @@ class Session:
             entries = tuple(one.entry for one in self._watch.alarms.now() if not one.acknowledged)
             if entries:
                 self._tell(Acknowledged(entries=entries))
+
+    def refused(self, counts: Mapping[str, int]) -> None:
+        """Write into the journal that requests were refused, so many by their HTTP status."""
+        with self._lock:
+            self._tell(Refused(counts=dict(counts)))
 
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
@@ -534,6 +540,11 @@ class Session:
         was_off = before.off if isinstance(before, Observed) else before is None and not self._shift.advised
         return event.without_worker() if was_off else event
 
+    def _after_rest(self, event: Observed) -> Observed:
+        """The cycle that has just ended, after the rest before it."""
+        idle_s = self._idle(event)
+        return event.model_copy(update={"idle_s": idle_s}) if idle_s else event
+
     def _idle(self, event: Observed) -> float:
         """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
         if event.off:
@@ -623,7 +634,7 @@ class Session:
 
     def _record(self, event: Event) -> None:
         if not self._journal.fault:
-            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc().isoformat())
+            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc())
 
     def _rule(self, rules: Rules) -> None:
         """Decide by these from their cycle on."""

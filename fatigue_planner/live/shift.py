@@ -12,6 +12,7 @@ from fatigue_planner.live.events import UNCLEAR, Advice, Fallback, Input, Observ
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import Counts, Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
+from fatigue_planner.pomdp.fatigue_pomdp import recognition_of
 from fatigue_planner.pomdp.scenario import Scenario
 
 # An observation may come so many cycles late and still be taken.
@@ -152,7 +153,8 @@ class Shift:
         if event.observation == UNCLEAR and UNCLEAR not in model.observations:
             return np.ones(len(model.outcomes))
         if event.observation is not None:
-            return np.asarray(model.arrays.observation[:, model.observations.index(event.observation)])
+            matrix = recognition_of(model.arrays, model.actions.index(event.executed))
+            return np.asarray(model.arrays.observation[matrix, :, model.observations.index(event.observation)])
         return np.ones(len(model.outcomes))
 
     @property

@@ -8,7 +8,7 @@ import numpy as np
 from fatigue_planner.core.random_streams import Vector
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.live.doses import Doses
-from fatigue_planner.live.events import Decided, Event, Fallback, Observed, WorkerChanged
+from fatigue_planner.live.events import Decided, Event, Fallback, Observed, Refused, WorkerChanged
 from fatigue_planner.live.pauses import JointLevel, Levels, Passing
 from fatigue_planner.live.shift import Shift
 from fatigue_planner.live.watch import Alarm, Watch
@@ -26,7 +26,7 @@ DEVIATIONS = 1.645  # of a normal distribution, to either side of the mean, hold
 
 @dataclass
 class Counts:
-    """What did not go as planned since the shift began, in cycles; `contradicted` in observations."""
+    """What did not go as planned since the shift began, in cycles; contradicted: observations; refused: requests."""
 
     unseen: int = 0
     unseen_in_a_row: int = 0
@@ -35,6 +35,7 @@ class Counts:
     other_actions: int = 0
     surprised: int = 0
     contradicted: int = 0
+    refused: int = 0
 
     def add(self, event: Event, decided: str | None) -> None:
         """Count an event; `decided` is the action that was decided for the cycle, if it was."""
@@ -50,6 +51,8 @@ class Counts:
                 self.other_actions += decided is not None and event.executed != decided
             case WorkerChanged():
                 self.unseen_in_a_row = 0
+            case Refused():
+                self.refused += sum(event.counts.values())
             case _:
                 self.contradicted += event.kind == "contradicted"
 

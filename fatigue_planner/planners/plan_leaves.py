@@ -17,7 +17,13 @@ from fatigue_planner.planners.expectimax import Levels
 from fatigue_planner.planners.pomcp.buffers import SearchParameters, Workspace
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.cyclic_plans import PlanValues, undominated
-from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, preference_probabilities, react
+from fatigue_planner.pomdp.fatigue_pomdp import (
+    FatigueArrays,
+    FatiguePomdp,
+    preference_probabilities,
+    react,
+    recognition_of,
+)
 from fatigue_planner.pomdp.simd import LANES, aligned_zeros, quadratic
 
 Vector = NDArray[np.float64]
@@ -109,7 +115,7 @@ def last_cycles_and_plans(
 ) -> None:
     """See `expectimax.last_cycles`."""
     level, actions = levels.values.shape[0] - 1, levels.values.shape[1]
-    observations, early = arrays.observation.shape[1], ends.early
+    observations, early = arrays.observation.shape[2], ends.early
     clear(ends)
     for i in range(levels.begin[level], levels.begin[level] + levels.size[level]):
         state, weight, waiting = levels.states[i], levels.weights[i], int(np.int64(0))  # a mere 0 is compiled anew
@@ -159,7 +165,7 @@ def add_cycle(
     arrays: FatigueArrays, plans: PlanValues, ends: PlanEnds, state: Vector, weight: float, begun: int, waiting: int
 ) -> int:
     """The last cycle from a state of this weight; how many states wait then (`waiting` do so far)."""
-    observations = arrays.observation.shape[1]
+    observations = arrays.observation.shape[2]
     for action in range(ends.gained.shape[1]):
         preference_probabilities(arrays, state, action, ends.last)
         for outcome in range(ends.last.size):
@@ -189,8 +195,9 @@ def value_waiting(arrays: FatigueArrays, plans: PlanValues, ends: PlanEnds, work
             if arrays.observation_reveals_outcome:
                 ends.sums[ends.begin[k] + ends.outcomes[k], plan] += value
             else:
-                for observation in range(arrays.observation.shape[1]):
-                    seen = arrays.observation[ends.outcomes[k], observation]
+                action = ends.begin[k] // arrays.observation.shape[2] % ends.gained.shape[1]
+                for observation in range(arrays.observation.shape[2]):
+                    seen = arrays.observation[recognition_of(arrays, action), ends.outcomes[k], observation]
                     ends.sums[ends.begin[k] + observation, plan] += seen * value
 
 

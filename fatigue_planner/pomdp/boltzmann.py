@@ -1,4 +1,7 @@
-"""How the worker chooses a motion preference: Boltzmann's distribution of the costs (paper, Eq. 4)."""
+"""How the worker chooses a motion preference: Boltzmann's distribution of the costs (paper, Eq. 4).
+
+Other choice models multiply every preference's Boltzmann factor by one of its own (see `choices.choice_model`).
+"""
 
 import math
 
@@ -8,6 +11,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.jit import inlined
 
 Vector = NDArray[np.float64]
+Array = NDArray[np.float64]
 
 
 @inlined
@@ -34,21 +38,21 @@ def lowest(costs: Vector) -> float:
 
 
 @inlined
-def weigh(costs: Vector, least: float, expertise: float) -> float:
+def weigh(costs: Vector, least: float, expertise: float, factors: Array, row: int) -> float:
     """Numerators of Eq. 4 in place: costs (U,), the smallest of which is `least`, become exp(-beta (c_u - least)).
 
-    Returns their sum. The largest is 1.
+    Each is multiplied by its factor in a row of `factors` (R, U), in the paper 1. Returns their sum.
     """
     total = 0.0
     for u in range(costs.size):
-        costs[u] = relative_chance(costs[u] - least, expertise)
+        costs[u] = relative_chance(costs[u] - least, expertise) * factors[row, u]
         total += costs[u]
     return total
 
 
 @inlined
-def normalise_choice(costs: Vector, expertise: float) -> None:
-    """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u')."""
-    total = weigh(costs, lowest(costs), expertise)
+def normalise_choice(costs: Vector, expertise: float, factors: Array, row: int) -> None:
+    """Eq. 4 in place: costs (U,) become P(u) = exp(-beta c_u) / sum over u' of exp(-beta c_u'); `factors`: `weigh`."""
+    total = weigh(costs, lowest(costs), expertise, factors, row)
     for u in range(costs.size):
         costs[u] /= total

@@ -134,10 +134,19 @@ class MeanMaps(NamedTuple):
         return MeanMaps(g, gg, o, oo, go, self.weight, self.posture)
 
 
-def mean_maps(gain: Array, offset: Array, weight: Vector, posture_cost: Array) -> MeanMaps:
-    """The means over equally likely reactions of cycle maps (M, A, U, L) and of what postures cost (A, U)."""
-    g, gg, o, oo, go = (table.mean(axis=2) for table in (gain, gain**2, offset, offset**2, gain * offset))
-    return MeanMaps(g, gg, o, oo, go, weight, posture_cost.mean(axis=1))
+def mean_maps(
+    gain: Array, offset: Array, weight: Vector, posture_cost: Array, chances: Vector | None = None
+) -> MeanMaps:
+    """The means over reactions of cycle maps (M, A, U, L) and of what postures cost (A, U).
+
+    chances (U,): how likely every reaction is; None: all equally.
+    """
+
+    def mean(table: Array, axis: int) -> Array:
+        return np.asarray(table.mean(axis) if chances is None else np.average(table, axis, chances))
+
+    g, gg, o, oo, go = (mean(table, 2) for table in (gain, gain**2, offset, offset**2, gain * offset))
+    return MeanMaps(g, gg, o, oo, go, weight, mean(posture_cost, 1))
 
 
 def values_of_plans(moments: MeanMaps, discount: float, entries: int, plans: NDArray[np.intp]) -> PlanValues:

@@ -1,7 +1,9 @@
 """The fatigue POMDP (paper, sections III-A and IV-D), for one worker or for several possible ones.
 
 A state holds the fatigue of the active entries, padded with zeros to a multiple of LANES; its last element is the
-index of the worker it belongs to. Where the worker is known there is only one, with index 0.
+index of the worker it belongs to. Where the worker is known there is only one, with index 0. Where choices depend on
+the last one, the last element of the padding says which that was: 0 for none, else the number of the preference + 1.
+Cycles write it as they change fatigue, by a map whose gain is 0; it costs nothing.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,14 +32,17 @@ class FatigueArrays(NamedTuple):
     """What the compiled functions read.
 
     gain, offset (M * A * U, W): row (m * A + a) * U + u is worker m's cycle map of action a and preference u
-    expertise (M,): beta of Eq. 4; `even`: it is 0 for all
-    observation (U, O): P(o | u); `observation_reveals_outcome`: the observation always is the preference
+    expertise (M,): beta of Eq. 4; `even`: every preference is equally likely, always
+    factors (1 or 1 + U, U): of the Boltzmann factors, the same always or by the last choice (see `choices`)
+    observation (1 or A, U, O): P(o | u), the same for all actions or by action; `observation_reveals_outcome`: the
+        observation always is the preference
     """
 
     gain: Array
     offset: Array
     expertise: Vector
     even: bool
+    factors: Array
     observation: Array
     observation_reveals_outcome: bool
     n_actions: int
@@ -48,13 +53,19 @@ class FatigueArrays(NamedTuple):
 def first_row(arrays: FatigueArrays, state: Vector, action: int) -> int:
     """The row of the action's first preference."""
     worker = int(state[state.size - 1])
-    return int((worker * arrays.n_actions + action) * arrays.observation.shape[0])
+    return int((worker * arrays.n_actions + action) * arrays.factors.shape[1])
 
 
 @inlined
 def expertise_of(arrays: FatigueArrays, state: Vector) -> float:
     """beta of the state's worker."""
     return float(arrays.expertise[int(state[state.size - 1])])
+
+
+@inlined
+def factor_row(arrays: FatigueArrays, state: Vector) -> int:
+    """The row of `factors` that holds in the state."""
+    return 0 if arrays.factors.shape[0] == 1 else int(state[state.size - 2])
 
 
 @inlined
@@ -71,10 +82,10 @@ def preference_probabilities(arrays: FatigueArrays, state: Vector, action: int, 
     expertise = expertise_of(arrays, state)
     if expertise == 0:
         for u in range(probabilities.size):
-            probabilities[u] = 1.0 / probabilities.size
+            probabilities[u] = 0.0
     else:
         costs_after(arrays, state, action, probabilities)
-        normalise_choice(probabilities, expertise)
+    normalise_choice(probabilities, expertise, arrays.factors, factor_row(arrays, state))
 
 
 @inlined
@@ -85,15 +96,23 @@ def react(arrays: FatigueArrays, state: Vector, action: int, preference: int) ->
 
 
 @inlined
-def recognition(arrays: FatigueArrays, _state: Vector, _action: int, preference: int, observation: int) -> float:
-    """P(o | u): the probability that preference u is recognised as o."""
-    return float(arrays.observation[preference, observation])
+def recognition_of(arrays: FatigueArrays, action: int) -> int:
+    """Which matrix of `observation` is the action's."""
+    return int(min(action, arrays.observation.shape[0] - 1))
 
 
 @inlined
-def recognise(arrays: FatigueArrays, preference: int, rng: np.random.Generator) -> int:
+def recognition(arrays: FatigueArrays, _state: Vector, action: int, preference: int, observation: int) -> float:
+    """P(o | u): the probability that preference u is recognised as o."""
+    return float(arrays.observation[recognition_of(arrays, action), preference, observation])
+
+
+@inlined
+def recognise(arrays: FatigueArrays, action: int, preference: int, rng: np.random.Generator) -> int:
     """A draw of o from P(o | u)."""
-    return preference if arrays.observation_reveals_outcome else draw(arrays.observation[preference], uniform(rng))
+    if arrays.observation_reveals_outcome:
+        return preference
+    return draw(arrays.observation[recognition_of(arrays, action), preference], uniform(rng))
 
 
 @inlined
@@ -103,7 +122,7 @@ def react_to_anything(
     """The generative model of Fig. 4 for novices, whose choice does not depend on costs."""
     preference = below(rng, scratch.size)
     reward = react(arrays, state, action, preference)
-    return recognise(arrays, preference, rng), reward
+    return recognise(arrays, action, preference, rng), reward
 
 
 @inlined
@@ -125,9 +144,10 @@ def react_surely(
         move(arrays.gain, arrays.offset, state, row + preference)
         reward = -least
     else:
-        preference = draw(scratch, weigh(scratch, least, expertise) * uniform(rng))
+        total = weigh(scratch, least, expertise, arrays.factors, factor_row(arrays, state))
+        preference = draw(scratch, total * uniform(rng))
         reward = react(arrays, state, action, preference)
-    return recognise(arrays, preference, rng), reward, sure
+    return recognise(arrays, action, preference, rng), reward, sure
 
 
 @inlined
@@ -142,19 +162,18 @@ def react_to_costs(
 @inlined
 def expected_reward(arrays: FatigueArrays, state: Vector, action: int, probabilities: Vector, _moved: Vector) -> float:
     """The mean of -C over the preferences, and their probabilities; every cost is computed once."""
-    expertise, count = expertise_of(arrays, state), probabilities.size
+    expertise, row = expertise_of(arrays, state), factor_row(arrays, state)
     costs_after(arrays, state, action, probabilities)
     least = lowest(probabilities)
     total, weighted = 0.0, 0.0
-    for u in range(count):
+    for u in range(probabilities.size):
         cost = probabilities[u]
-        chance = relative_chance(cost - least, expertise)
-        probabilities[u] = 1.0 / count if expertise == 0 else chance
+        chance = relative_chance(cost - least, expertise) * arrays.factors[row, u]
+        probabilities[u] = chance
         total += chance
         weighted += chance * cost
-    if expertise != 0:
-        for u in range(count):
-            probabilities[u] /= total
+    for u in range(probabilities.size):
+        probabilities[u] /= total
     return -weighted / total
 
 
@@ -277,7 +296,7 @@ class FatiguePomdp(Pomdp):
         """How fast the fatigue of every worker fades and grows at rest, as in states, each (M, W) in 1/s."""
         assert self.timing is not None
         rates = self.timing.rest.rates(self.workers.fatigue_rate_factor, self.workers.recovery_rate_factor)
-        fade, grow = map(self._rows, rates)
+        fade, grow = map(self._padded, rates)
         return fade, grow
 
     @cached_property
@@ -287,10 +306,12 @@ class FatiguePomdp(Pomdp):
         return plan_values(self.mean_maps(np.arange(len(self.workers.expertise))), self.discount, self.entries)
 
     def mean_maps(self, workers: NDArray[np.intp]) -> MeanMaps:
-        """The means over equally likely reactions of some workers' cycle maps."""
+        """The means of some workers' cycle maps over the reactions of who minds neither cost nor habit."""
         shape = (len(self.workers.expertise), len(self.actions), len(self.outcomes), -1)
         gain, offset = (table.reshape(shape)[workers] for table in (self.arrays.gain, self.arrays.offset))
-        return mean_maps(gain, offset, self.arrays.cost.weight, self.posture_cost)
+        first = self.arrays.factors[0]
+        chances = None if (first == 1).all() else first / first.sum()
+        return mean_maps(gain, offset, self.arrays.cost.weight, self.posture_cost, chances)
 
     @cached_property
     def in_moments(self) -> "FatiguePomdp":
@@ -313,26 +334,34 @@ class FatiguePomdp(Pomdp):
 
     def with_maps(self, gain: Array, offset: Array, workers: Workers) -> "FatiguePomdp":
         """The same task with these cycle maps (M, A, U, entries)."""
+        written = self._padded(offset)
+        if self.remembers:
+            written[:, -1] = np.arange(len(written)) % len(self.outcomes) + 1
         arrays = self.arrays._replace(
-            gain=self._rows(gain),
-            offset=self._rows(offset),
+            gain=self._padded(gain),
+            offset=written,
             cost=self._cost_arrays(len(gain)),
             expertise=workers.expertise,
-            even=bool((workers.expertise == 0).all()),
+            even=bool((workers.expertise == 0).all() and (self.arrays.factors == 1).all()),
         )
         return replace(self, arrays=arrays, workers=workers)
 
     def _cost_arrays(self, workers: int) -> CostArrays:
-        weight = np.zeros(self.active_entries.size + -self.active_entries.size % LANES)
-        weight[: self.active_entries.size] = self.cost.weights[self.active_entries]
+        weight = self._padded(self.cost.weights[None])[0]
         posture = np.tile(self.posture_cost.ravel(), workers)
         plain = self.cost.is_quadratic and not posture.any() and bool((self.cost.weights == 1).all())
+        plain &= not self.remembers
         return CostArrays(weight, 1 / self.entries, posture, plain, self.cost.kind == "worst_joint")
 
-    def _rows(self, table: Array) -> Array:
-        rows = np.zeros(
-            (table[..., 0].size, self.active_entries.size + -self.active_entries.size % LANES)
-        )  # in C order, read row by row
+    @property
+    def remembers(self) -> bool:
+        """Whether states say what the last choice was."""
+        return len(self.arrays.factors) > 1
+
+    def _padded(self, table: Array) -> Array:
+        """The active entries of a table (..., entries) as in states, one row each."""
+        width = self.active_entries.size + self.remembers
+        rows = np.zeros((table[..., 0].size, width + -width % LANES))  # in C order, read row by row
         rows[:, : self.active_entries.size] = table[..., self.active_entries].reshape(len(rows), -1)
         return aligned(rows)
 
@@ -348,13 +377,15 @@ def build_pomdp(
     observations: Sequence[str] | None = None,
     cost: FatigueCost | None = None,
     timing: Timing | None = None,
+    log_odds: Array | None = None,
 ) -> FatiguePomdp:
     """The POMDP of the reactions `profiles[action, preference]`.
 
     `initial_fatigue` (n, 78) are the states the worker may start in; they and the reactions decide which
-    entries are active; all others stay 0. `recognition_matrix` (U, O): P(o | u) for the named `observations`; by
-    default the preference is always recognised. `cost`: by default the paper's. Without `timing`, nothing is known of
-    rest and of cycles that take another time than planned.
+    entries are active; all others stay 0. `recognition_matrix` (U, O), or (A, U, O) by action: P(o | u) for the named
+    `observations`; by default the preference is always recognised. `cost`: by default the paper's. Without `timing`,
+    nothing is known of rest and of cycles that take another time than planned. `log_odds`: see
+    `ChoiceModel.log_odds`; by default Eq. 4 alone decides.
     """
     table = tuple(tuple(profiles[a, u] for u in preferences) for a in actions)
     ever = (initial_fatigue != 0).any(axis=0)
@@ -362,10 +393,13 @@ def build_pomdp(
         ever |= profile.tires
     observation_reveals_outcome = recognition_matrix is None
     observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
+    observation = observation.reshape(-1, *observation.shape[-2:])
+    odds = np.zeros((1, len(preferences))) if log_odds is None else log_odds
+    factors = np.exp(odds - odds.max(axis=1, keepdims=True))
     empty = np.zeros((0, 0))
     nothing = CostArrays(np.zeros(0), 0.0, np.zeros(0), True, False)
     arrays = FatigueArrays(
-        empty, empty, np.zeros(0), False, observation, observation_reveals_outcome, len(actions), nothing
+        empty, empty, np.zeros(0), False, factors, observation, observation_reveals_outcome, len(actions), nothing
     )
     blank = FatiguePomdp(
         actions=tuple(actions),
@@ -387,8 +421,12 @@ def build_pomdp(
 
 def fingerprint(model: FatiguePomdp) -> dict[str, Any]:
     """All that decides what the model does, as JSON values."""
-    named = model.arrays._asdict().items()
-    arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named}
+    named = model.arrays._asdict()
+    if len(model.arrays.factors) == 1 and (model.arrays.factors == 1).all():  # as before there were others
+        del named["factors"]
+    if len(model.arrays.observation) == 1:
+        named["observation"] = model.arrays.observation[0]
+    arrays = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in named.items()}
     posture = model.arrays.cost.posture.tolist()
     arrays["cost"] = {"kind": model.cost.kind, "weights": model.cost.weights.tolist(), "posture": posture}
     arrays["expertise"] = [repr(beta) for beta in model.workers.expertise.tolist()]

@@ -40,15 +40,16 @@ class Angles:
 
 @dataclass(frozen=True)
 class Plate:
-    """A force plate: force (m, 3) N, moment (m, 3) about `origin` (m, 3), in N times `moment_unit`, in the file's axes.
+    """A force plate: force (m, 3) N, moment (m, 3) about `origin` (m, 3), in the file's axes.
 
-    corners: (4, 3), if known; kind: the plate's type in C3D.
+    unit: of origin, corners and, with N, of the moment; None: the file's. corners: (4, 3), if known; kind: the plate's
+    type in C3D.
     """
 
     force_n: Vector
     moment: Vector
     origin: Vector
-    moment_unit: str | None = None
+    unit: str | None = None
     corners: Vector | None = None
     kind: int | None = None
 

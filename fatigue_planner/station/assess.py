@@ -1,17 +1,20 @@
 """The assessment of a station: what was examined, who of a population can, what would help, and what to say first."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from fatigue_planner import __version__
 from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.core.files import digest_of
+from fatigue_planner.ergonomics.result import Phrase
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.assessment import StationAssessment, WholeCycle
 from fatigue_planner.station.changes import changed_stations, changes_of
 from fatigue_planner.station.examine import Examined, examine
 from fatigue_planner.station.judging import judge
-from fatigue_planner.station.population_reach import reach_shares
+from fatigue_planner.station.kept_shares import reach_shares
+from fatigue_planner.station.outcomes import Task, tasks_of
 from fatigue_planner.station.rotation import best_rotation
 from fatigue_planner.station.schema import Station
 from fatigue_planner.station.sensing import sensing_of
@@ -19,24 +22,39 @@ from fatigue_planner.station.statements import assumptions_of, headline_of
 from fatigue_planner.station.workers import facts_of
 
 
+@dataclass(frozen=True)
+class Plan:
+    """What is to be examined: a station and, if that is asked for, what it is with one thing changed; all motions."""
+
+    stations: tuple[Station, ...]
+    changes: tuple[Phrase, ...]
+    tasks: tuple[tuple[Task, ...], ...]
+
+
+def planned(station: Station, with_changes: bool = False) -> Plan:
+    """The plan of an assessment; with_changes: also what single changes of the station would do."""
+    changed = changed_stations(station) if with_changes else []
+    stations = (station, *(each for _, each in changed))
+    return Plan(stations, tuple(phrase for phrase, _ in changed), tuple(tuple(tasks_of(each)) for each in stations))
+
+
 def assess(
-    station: Station,
+    plan: Plan,
     cache: ReactionCache,
     executor: Executor,
     command: str,
     progress: Callable[[Simulated], None] = lambda _: None,
-    with_changes: bool = False,
     asked: Callable[[], None] = lambda: None,
 ) -> StationAssessment:
     """Everything that is to be said of a station.
 
-    Motions are found in the cache or simulated. command: what makes them, for messages; with_changes: also what single
-    changes of the station would do; asked: hears of every place and sex of the population that is done.
+    Motions are found in the cache or simulated. command: what makes them, for messages; asked: hears of every place and
+    sex of the population that is done.
 
     Raises OutputFolderError if the cache cannot be written, DamagedFileError if what was written is damaged.
     """
-    changed = changed_stations(station) if with_changes else []
-    found, *others = examine([station, *(each for _, each in changed)], cache, executor, command, progress)
+    station = plan.stations[0]
+    found, *others = examine(plan.stations, cache, executor, command, progress, plan.tasks)
     cycles = whole_cycles(found, cache, command)
     return StationAssessment(
         station=station,
@@ -47,8 +65,8 @@ def assess(
         summaries=tuple(found.summaries),
         best=found.best,
         cycles=cycles,
-        shares=tuple(reach_shares(station, executor, asked)),
-        changes=changes_of([phrase for phrase, _ in changed], found, others),
+        shares=tuple(reach_shares(station, cache.folder, executor, asked)),
+        changes=changes_of(plan.changes, found, others),
         rotation=best_rotation(found, cache, command),
         sensing=sensing_of(found, cache, command),
         headline=headline_of(station, found.places, found.summaries, found.best, cycles),

@@ -65,12 +65,13 @@ def examine(
     executor: Executor,
     command: str,
     progress: Callable[[Simulated], None],
+    known: Sequence[Sequence[Task]] | None = None,
 ) -> list[Examined]:
-    """Examine stations, all their motions at once.
+    """Examine stations, all their motions at once; known: the motions of each, where they were made out already.
 
     Raises OutputFolderError if the cache cannot be written, DamagedFileError if what was written is damaged.
     """
-    tasks = [tasks_of(station) for station in stations]
+    tasks = [tasks_of(station) for station in stations] if known is None else known
     outcomes = iter(simulate_all([task for own in tasks for task in own], cache, executor, progress))
     return [
         _examined(station, own, [next(outcomes) for _ in own], cache, command)

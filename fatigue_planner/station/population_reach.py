@@ -1,13 +1,12 @@
 """Who of a population reaches a place, and who is strong enough for it: found by trying statures."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 import numpy as np
 
 from fatigue_planner.core.errors import FailedMotionError
-from fatigue_planner.core.executors.executor import Executor, Lost
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.fatigue.load import loads
@@ -21,6 +20,7 @@ from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.settings import Accuracy, Side
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import measure
+from fatigue_planner.reactions.reaction import ReactionRequest
 from fatigue_planner.station.assessment import ReachShare
 from fatigue_planner.station.experiments import SIDES, Part, experiment_of
 from fatigue_planner.station.outcomes import odd_postures
@@ -28,7 +28,8 @@ from fatigue_planner.station.schema import Station
 
 SEXES: tuple[Sex, ...] = ("female", "male")
 # Where a stature is looked for that reaches a place, the likeliest first; ends of what is looked at.
-PERCENTILES = (50.0, 25.0, 75.0, 5.0, 95.0, 1.0, 99.0)
+MEDIAN = 50.0
+PERCENTILES = (MEDIAN, 25.0, 75.0, 5.0, 95.0, 1.0, 99.0)
 LOWEST, HIGHEST = 1.0, 99.0
 # How closely the shortest and the tallest are found, and how much people of a stature differ in reach (one SD), in m.
 PRECISION_M, REACH_SD_M = 0.005, 0.03
@@ -57,6 +58,10 @@ class Question:
         """The people of the station's own population; None for ANSUR's."""
         return self.station.population.people(self.sex) if self.station.population else None
 
+    def stature(self, percentile: float) -> float:
+        """The stature in m of a percentile of these people, as far as it can be simulated."""
+        return float(np.clip(stature_m(percentile, self.sex, self.people), *STATURES_M))
+
 
 def questions(station: Station) -> Iterator[Question]:
     """Every place of every operation, for the women and the men of the population."""
@@ -67,22 +72,11 @@ def questions(station: Station) -> Iterator[Question]:
                     yield Question(station, operation, place, sex)
 
 
-def reach_shares(station: Station, executor: Executor, progress: Callable[[], None] = lambda: None) -> list[ReachShare]:
-    """Who reaches every place of every operation; `progress` hears of every question that is answered."""
-    found = {}
-    for index, share in executor.run(answered, list(questions(station))):
-        progress()
-        if not isinstance(share, Lost):
-            found[index] = share
-    return [found[index] for index in sorted(found)]
-
-
 def answered(question: Question) -> ReachShare:
     """Try statures of the median mass and strength, in every way, until the shortest and the tallest are found.
 
     Where none of them can bear the load, reach is that of empty hands: what is missing is strength.
     """
-    people, sex = question.people, question.sex
     known: dict[float, Motion | None] = {}
 
     def reaches(stature: float) -> bool:
@@ -90,10 +84,7 @@ def answered(question: Question) -> ReachShare:
             known[stature] = _reaching(question, stature)
         return known[stature] is not None
 
-    def stature(percentile: float) -> float:
-        return float(np.clip(stature_m(percentile, sex, people), *STATURES_M))
-
-    tried = [stature(percentile) for percentile in PERCENTILES]
+    tried = [question.stature(percentile) for percentile in PERCENTILES]
     if question.is_loaded and not reaches(tried[0]):
         # a load that is too heavy takes long to fail: empty hands say first which stature can get there at all
         bare = replace(question, station=emptied(question.station))
@@ -103,15 +94,24 @@ def answered(question: Question) -> ReachShare:
         tried = [] if there is None else [there]
     first = next(filter(reaches, tried), None)
     if first is None:
-        return ReachShare(question.operation, question.place, sex, None, None, 0.0, 0.0, 0.0, None, "")
-    shortest = _edge(first, stature(LOWEST), reaches)
-    tallest = _edge(first, stature(HIGHEST), reaches)
+        return ReachShare(question.operation, question.place, question.sex, None, None, 0.0, 0.0, 0.0, None, "")
+    shortest = _edge(first, question.stature(LOWEST), reaches)
+    tallest = _edge(first, question.stature(HIGHEST), reaches)
     motion = known[first]
     assert motion is not None
     strong, joint = strong_share(motion, _worker(question, first))
     shares = [_share(question, shortest, tallest, longer) for longer in (0.0, -REACH_SD_M, REACH_SD_M)]
     return ReachShare(
-        question.operation, question.place, sex, shortest, tallest, shares[0], min(shares), max(shares), strong, joint
+        question.operation,
+        question.place,
+        question.sex,
+        shortest,
+        tallest,
+        shares[0],
+        min(shares),
+        max(shares),
+        strong,
+        joint,
     )
 
 
@@ -163,6 +163,15 @@ def _worker(question: Question, stature: float, strength_percentile: float = 50.
 
 def _reaching(question: Question, stature: float, strength_percentile: float = 50.0) -> Motion | None:
     """A motion in which a worker of this stature holds the hand at the place as a person would, in any way."""
+    for request in requests_of(question, stature, strength_percentile):
+        motion = _tried(request.motion, request.accuracy)
+        if motion is not None:
+            return motion
+    return None
+
+
+def requests_of(question: Question, stature: float, strength_percentile: float = 50.0) -> Sequence[ReactionRequest]:
+    """The motions that a worker of this stature tries: every way of holding the hand at the place."""
     operation = question.station.operations[question.operation]
     if operation.hand in ("either", "other"):  # as most people, the better hand is the right one
         operation = operation.model_copy(update={"hand": "right" if operation.hand == "either" else "left"})
@@ -172,11 +181,7 @@ def _reaching(question: Question, stature: float, strength_percentile: float = 5
     short = operation.model_copy(update={"places": (question.place,), "seconds": HOLD_S})
     station = question.station.model_copy(update={"operations": {question.operation: short}})
     part = Part(station, question.operation, hands, ("anybody",))
-    for request in reaction_requests(experiment_of(part, {"anybody": _worker(question, stature, strength_percentile)})):
-        motion = _tried(request.motion, request.accuracy)
-        if motion is not None:
-            return motion
-    return None
+    return reaction_requests(experiment_of(part, {"anybody": _worker(question, stature, strength_percentile)}))
 
 
 def _tried(request: MotionRequest, accuracy: Accuracy) -> Motion | None:

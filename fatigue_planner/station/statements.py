@@ -63,6 +63,7 @@ ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 # What single changes do, and another place in every cycle.
 CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed"
 CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
+UNTRIED = "What one change would do is not computed (--changes)"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"
 SENSING = (
@@ -203,8 +204,10 @@ def of_population(shares: Sequence[ReachShare]) -> Phrases:
             yield Phrase(STRONG, {"share": each.strong_share, "sex": each.sex, "place": each.place, "joint": joint})
 
 
-def of_changes(changes: Sequence[Change]) -> Phrases:
-    """What single changes of the station would do."""
+def of_changes(changes: Sequence[Change], best: BestPlaces) -> Phrases:
+    """What single changes of the station would do; where nothing is recommended and none was tried, that."""
+    if not changes and not best.places:
+        yield Phrase(UNTRIED)
     for each in changes:
         values: Values = {"change": str(each.change), "reached": each.reached_by_all, "allowed": each.allowed}
         values |= {"of_places": each.of_places}

@@ -181,9 +181,9 @@ def _misjudged(scenario: Scenario, plan: Plan, longest: int) -> dict[str, float]
         "reacts blindly (novice)": workers._replace(expertise=np.zeros_like(beta)),
         "reacts in the least tiring way (expert)": workers._replace(expertise=np.full_like(beta, np.inf)),
     }
-    found = {}
+    found, one_way = {}, len(scenario.model.outcomes) == 1
     for name, other in others.items():
-        if not np.array_equal(other, workers):
+        if not np.array_equal(other._replace(expertise=beta) if one_way else other, workers):
             belief = ExactBelief(scenario.model.for_workers(other), scenario.states, scenario.weights)
             own = float(schedule_cost(belief).costs(np.array([plan], dtype=np.intp))[0])
             found[name] = _above(own, best_schedule_for(belief, longest).cost)

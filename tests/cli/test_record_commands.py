@@ -1,11 +1,14 @@
-"""`fatplan record`: files checked, in words and as JSON."""
+"""`fatplan record`: files checked, reactions recognised, in words and as JSON."""
 
 from pathlib import Path
 
 import pytest
+import yaml
 from commands import fatplan, refused
 from recorded import LABELS, figure, trc
 from test_cli_json import document
+
+from fatigue_planner.recordings.recognition.stored import load_recogniser
 
 
 @pytest.fixture
@@ -46,3 +49,61 @@ def test_what_is_inferred_can_be_overruled(file: Path) -> None:
     assert "nonsense: neither a file nor a mapping" in refused(2, "record", "check", file, "--mapping", "nonsense")
     for option in ("--rate", "--mass"):
         assert f"Invalid value for '{option}'" in refused(2, "record", "check", file, option, "nan")
+
+
+def test_a_worker_is_learnt(tmp_path: Path, cache_folder: Path) -> None:
+    cycles, labelled, worker = (tmp_path / name for name in ("cycles.csv", "labelled.csv", "learnt.yaml"))
+    cycles.write_text("action,reaction,time_s\nhigh,arm,0\nlow,back,15\nhigh,,31\nlow,arm,50\n")
+    labelled.write_text("preference,recognised,count\narm,arm,9\narm,back,1\nback,back,10\n")
+    command = ("record", "learn", cycles, "--experiment", "paper", "--labelled", labelled, "--cache", cache_folder)
+    done = fatplan(*command, "--write", worker)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("4 cycles, of which 3 seen. With 95 % intervals:\n  beta: ")
+    assert "The data cannot tell beta from 0: " in done.stdout
+    assert set(yaml.safe_load(worker.read_text())) <= {"hidden_workers", "choice_models"}
+
+
+def test_a_reaction_that_is_none_is_named(tmp_path: Path, cache_folder: Path) -> None:
+    cycles = tmp_path / "cycles.csv"
+    cycles.write_text("action,reaction\nhigh,leg\n")
+    message = f"{cycles}, line 2: reaction = 'leg': not one of arm, back."
+    assert message in refused(2, "record", "learn", cycles, "--experiment", "paper", "--cache", cache_folder)
+
+
+PEOPLE = """
+name: people
+human: natural
+cycle: {reach_s: 2.5, work_s: 1, return_s: 2.5}
+workers:
+  ann: {height_m: 1.6, mass_kg: 58, sex: female}
+  ben: {height_m: 1.72, mass_kg: 75, sex: male}
+  tom: {height_m: 1.84, mass_kg: 82, sex: male}
+actions:
+  low: {right_hand: {position_m: {x: 0.4, y: -0.15, z: 0.7}, orientation_deg: {y: -90}}}
+"""
+
+
+def test_one_worker_is_too_few_people(cache_folder: Path, tmp_path: Path) -> None:
+    message = refused(2, "record", "recognise", "paper", "--cache", cache_folder, "--results", tmp_path)
+    assert "high/arm: repetitions of 1 people; at least 3 are needed" in message
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+def test_the_command_writes_what_it_says(tmp_path: Path) -> None:
+    (tmp_path / "people.yaml").write_text(PEOPLE)
+    folders = ("--cache", tmp_path / "cache")
+    assert fatplan("simulate", tmp_path / "people.yaml", *folders).returncode == 0
+    command = ("record", "recognise", tmp_path / "people.yaml", *folders, "--results", tmp_path / "results")
+    found = document(" ".join(map(str, command[:2])), *command[2:])
+    folder = Path(found["folder"])
+    assert {path.name for path in folder.iterdir()} == set(found["files"])
+    matrices = yaml.safe_load((folder / "recognition.yaml").read_text())["recognition_by_action"]
+    assert matrices == found["recognition_by_action"]
+    assert all(sum(line.values()) == pytest.approx(1, abs=1e-12) for line in matrices["low"].values())
+    stored = load_recogniser(folder / "recogniser.json")
+    assert stored.key == found["key"] and len(stored.reactions) == 6
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    text = fatplan(*command)
+    assert text.returncode == 0 and "low: 95 % are recognised" in text.stdout
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

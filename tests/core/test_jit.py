@@ -36,6 +36,7 @@ from fatigue_planner.core.jit import PRIVATE_FOLDER, _meaning, cache_folder
 from fatigue_planner.planners.pomcp.backups import expect_nothing
 from fatigue_planner.planners.pomcp.leaf_values import no_value
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
+from fatigue_planner.pomdp.choices.inertia import InertiaChoice
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp
 from fatigue_planner.pomdp.problem import draw
 
@@ -301,6 +302,8 @@ def beliefs() -> dict[str, ExactBelief]:
     for kind, recognition in (("sharp", None), ("noisy", NOISY)):
         cases |= {f"{kind} {beta}": two_starts(small_model(beta, recognition)) for beta in EXPERTISES}
         cases[f"{kind} hidden"] = two_workers(recognition)
+    habit = InertiaChoice(kind="inertia", inertia=1.0, offsets={"x": 0.5})
+    cases["habit by action"] = two_starts(small_model(25.0, np.array([NOISY, NOISY[::-1]]), habit))
     return cases | {"tiger": table_belief(tiger_with_an_end(4), [0.5, 0.5])}
 
 

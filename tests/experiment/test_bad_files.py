@@ -42,6 +42,11 @@ hidden_workers:
 recognition:
   arm: {arm: 0.9, back: 0.1}
   back: {arm: 0.2, back: 0.7, unclear: 0.1}
+recognition_by_action:
+  low: {arm: {arm: 0.8, back: 0.2}, back: {back: 1}}
+choice_models:
+  habit: {kind: inertia, inertia: 1.5, offsets: {arm: -0.5}}
+  liked: {kind: offset, offsets: {back: 1}}
 belief: {kind: particles, count: 300}
 """
 SECTIONS = {

@@ -1,7 +1,7 @@
 """Alarms and pauses: closed forms against the maps themselves and against enumeration; one alarm for one reason."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -9,19 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import PAPER
+from planting import fails_with, planted
+from shifts import CYCLE_S, FakeClock
 from small_problems import SEVERAL, belief_in, small_model
-from test_session import CYCLE_S, FakeClock
 
 import fatigue_planner as fp
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.fatigue.model import Rest
-from fatigue_planner.live.events import Acknowledged, Alarmed, Cleared
+from fatigue_planner.live.events import Alarmed, Cleared
 from fatigue_planner.live.journal_file import read_journal
 from fatigue_planner.live.pauses import AHEAD, ENOUGH, fading_s, levels, passings, pauses_s
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
 from fatigue_planner.pomdp.timing import Timing
 
+PAUSES, WATCH = "fatigue_planner.live.pauses:", "fatigue_planner.live.watch:"
 RATES = np.array([0.04, 0.02, 0.0])
 REST = Rest(np.array([0.0, 0.002, 0.0]), np.zeros(3), RATES)
 
@@ -31,6 +33,7 @@ def timed(model: FatiguePomdp) -> FatiguePomdp:
     return replace(model, timing=Timing(CYCLE_S, REST))
 
 
+@fails_with(PAUSES + "fading_s", "(level - floor[falls])", "level")
 def test_a_pause_is_as_long_as_the_law_says() -> None:
     """After it, the fatigue is at the level, by the map of rest; where it never is, no time is told."""
     fatigue = np.array([[0.9, 0.9, 0.9], [0.5, 0.5, 0.5], [0.1, 0.3, 0.4]])
@@ -44,6 +47,7 @@ def test_a_pause_is_as_long_as_the_law_says() -> None:
     assert np.isinf(fading_s(fatigue, 0.1, fade, grow)[0, 1])
 
 
+@fails_with(PAUSES + "pauses_s", "[worker]", "[worker * 0]")
 def test_a_pause_is_long_enough_for_nine_tenths_of_the_workers() -> None:
     """Each by his own rates; a second less is not."""
     rates = np.random.default_rng(1).uniform(0.5, 2.0, 200)
@@ -58,6 +62,7 @@ def test_a_pause_is_long_enough_for_nine_tenths_of_the_workers() -> None:
     assert pauses_s(belief, np.array([2]), 0.4) == [None]
 
 
+@fails_with(PAUSES + "_work_design", ".min(axis=1)", ".max(axis=1)")
 def test_what_no_action_keeps_below_the_limit() -> None:
     """It stays above whatever is done and chosen; what is not told apart comes below under the best of it."""
     model = timed(small_model(0))
@@ -80,11 +85,12 @@ def test_what_no_action_keeps_below_the_limit() -> None:
     assert 0 < found < 18
 
 
+@fails_with(PAUSES + "passings", "predict(plan(belief, n)", "predict(plan(belief, 0)")
 def test_what_is_coming_is_what_an_enumeration_finds() -> None:
     """The probabilities over all reactions of the next cycles, of a belief in three states."""
-    model, weights, limit = timed(small_model(0)), [0.2, 0.5, 0.3], 0.45
+    model, weights, limit = timed(small_model(0)), [0.2, 0.5, 0.3], 0.62
     belief = belief_in(model, SEVERAL, weights)
-    plan = [0, 1, 1, 0] * 3
+    plan = [0, 0, 1, 1] * 3
     found = passings(belief, limit, lambda _, n: plan[n], np.random.default_rng(0))
     expected: dict[str, tuple[int, float]] = {}
     unaided = {one.entry for one in levels(belief, limit).work_design}
@@ -99,7 +105,7 @@ def test_what_is_coming_is_what_an_enumeration_finds() -> None:
             above = sum(weight for weight, fatigue in states if fatigue[entry] > limit)
             if above >= 0.5 and ENTRIES[entry] not in unaided:
                 expected.setdefault(ENTRIES[entry], (n + 1, above))
-    assert expected
+    assert max(first for first, _ in expected.values()) > 2
     for one in found:
         if one.in_cycles <= 8:
             assert (one.in_cycles, one.probability) == (expected[one.entry][0], pytest.approx(expected[one.entry][1]))
@@ -133,47 +139,7 @@ def work(session: fp.Session, clock: FakeClock, cycles: int, executed: str = "lo
         session.state()
 
 
-def told(path: Path) -> Iterator[Alarmed | Acknowledged | Cleared]:
-    for one in read_journal(path):
-        if isinstance(one.event, Alarmed | Acknowledged | Cleared):
-            yield one.event
-
-
-def test_scenario_27_a_limit_is_passed(scenario: fp.Scenario, tmp_path: Path, clock: FakeClock) -> None:
-    """One alarm; acknowledged, still above: silence, also after a restart; then again; a pause clears it."""
-    path = tmp_path / "shift.fatplan"
-    with fp.Session.open(path, scenario, clock=clock, alarms=LIMIT) as session:
-        session.decide()
-        assert session.state().pauses.alarms == ()
-        work(session, clock, 20)
-        state = session.state().pauses
-        alarms = {one.entry: one for one in state.alarms}
-        assert alarms[ABOVE].probability == 1
-        assert not alarms[ABOVE].acknowledged
-        assert state.wanted_s == max(one.pause_s or 0 for one in alarms.values()) > 1
-        assert [one.entry for one in state.work_design] == ["right_wrist_deviation:positive"]
-        assert not {one.entry for one in state.work_design} & set(alarms)
-        session.acknowledge()
-        session.acknowledge()
-        work(session, clock, 10)
-        assert all(one.acknowledged for one in session.state().pauses.alarms)
-    with fp.Session.open(path, scenario, clock=clock, alarms=LIMIT) as session:
-        assert {one.entry: one.acknowledged for one in session.state().pauses.alarms} == dict.fromkeys(alarms, True)
-        work(session, clock, 10)  # 320 s after it was acknowledged
-        state = session.state().pauses
-        assert {one.entry: one.acknowledged for one in state.alarms} == dict.fromkeys(alarms, False)
-        assert state.alarms[0].since_cycle <= 21
-        assert state.wanted_s is not None
-        session.rest(state.wanted_s)
-        state = session.state().pauses
-        assert (state.alarms, state.wanted_s) == ((), 0)
-        assert session.state().counts.late == 0
-    of_one = [one for one in told(path) if isinstance(one, Acknowledged) or one.entry == ABOVE]
-    assert [one.kind for one in of_one] == ["alarmed", "acknowledged", "alarmed", "cleared"]
-    assert [one.repeated for one in of_one if isinstance(one, Alarmed)] == [False, True]
-    assert sum(isinstance(one, Alarmed) for one in told(path)) == 2 * len(alarms)
-
-
+@fails_with(WATCH + "Alarms.due", "level.probability > CLEARED", "level.probability >= RAISED")
 def test_around_the_limit_there_is_one_alarm(scenario: fp.Scenario, tmp_path: Path, clock: FakeClock) -> None:
     """Where nothing is seen, the belief spreads around the limit; that is no new alarm, and no end of this one."""
     path = tmp_path / "shift.fatplan"
@@ -184,14 +150,17 @@ def test_around_the_limit_there_is_one_alarm(scenario: fp.Scenario, tmp_path: Pa
             clock.pass_(CYCLE_S)
             session.observe(decision.cycle, executed="low")
             session.state()
-        (alarm,) = (one for one in session.state().pauses.alarms if one.entry == ABOVE)
-        assert 0.1 < alarm.probability < 0.5
-    assert [one.kind for one in told(path) if not isinstance(one, Acknowledged) and one.entry == ABOVE] == ["alarmed"]
+        alarms = {one.entry: one.probability for one in session.state().pauses.alarms}
+        assert 0.1 < alarms.get(ABOVE, 0) < 0.5
+    told = [one.event for one in read_journal(path) if isinstance(one.event, Alarmed | Cleared)]
+    assert [one.kind for one in told if one.entry == ABOVE] == ["alarmed"]
 
 
+@fails_with(WATCH + "Alarms.account", "case WorkerChanged() | Advice(on=False):", "case Advice(on=False):")
 def test_alarms_and_doses_are_the_worker_s_own(scenario: fp.Scenario, tmp_path: Path, clock: FakeClock) -> None:
     """Who comes has none; who wants no belief about him has none."""
-    with fp.Session.open(tmp_path / "shift.fatplan", scenario, clock=clock, alarms=LIMIT) as session:
+    path = tmp_path / "shift.fatplan"
+    with fp.Session.open(path, scenario, clock=clock, alarms=LIMIT) as session:
         session.worker("w-1")
         work(session, clock, 20)
         before = session.state().pauses
@@ -202,12 +171,15 @@ def test_alarms_and_doses_are_the_worker_s_own(scenario: fp.Scenario, tmp_path: 
         again = session.state().pauses
         assert {one.entry for one in again.alarms} == {one.entry for one in before.alarms}
         assert again.doses == before.doses
+        session._journal.wait(session.state().recorded, 30)
+        assert not any(isinstance(one.event, Cleared) for one in read_journal(path))
         session.advise(False)
         work(session, clock, 2)
         off = session.state().pauses
         assert (off.alarms, off.doses, off.work_design, off.coming) == ((), (), (), ())
 
 
+@fails_with(WATCH + "Watch.coming", "if one.in_cycles > 0", "if one.in_cycles < 0")
 def test_what_is_coming_is_told_beforehand(scenario: fp.Scenario, tmp_path: Path, clock: FakeClock) -> None:
     """Under a plan that always bends the back; found while the worker works."""
     fixed = {"kind": "fixed", "action": "low"}
@@ -223,6 +195,7 @@ def test_what_is_coming_is_told_beforehand(scenario: fp.Scenario, tmp_path: Path
         assert coming and coming[0].probability >= 0.5 and coming[0].in_cycles >= 1
 
 
+@fails_with("fatigue_planner.live.doses:RecentDoses.last_hour", "now_s - HOUR_S", "now_s - 2 * HOUR_S")
 def test_a_dose_is_that_of_the_last_hour(scenario: fp.Scenario, tmp_path: Path, clock: FakeClock) -> None:
     load_s = scenario.model.profiles[1][1].load_s
     assert scenario.model.actions[1] == "low" and scenario.model.outcomes[1] == "back"
@@ -239,3 +212,15 @@ def test_a_dose_is_that_of_the_last_hour(scenario: fp.Scenario, tmp_path: Path, 
         np.testing.assert_allclose(list(found.values()), 11 * largest)
         clock.pass_(3700)
         assert session.state().pauses.doses == ()
+
+
+TESTS: list[Callable[..., None]] = [one for name, one in globals().items() if name.startswith("test_")]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("test", TESTS, ids=lambda test: test.__name__)
+def test_a_planted_fault_is_seen(test: Callable[..., None], request: pytest.FixtureRequest) -> None:
+    names = test.__code__.co_varnames[: test.__code__.co_argcount]
+    given = {name: request.getfixturevalue(name) for name in names}
+    with planted(test.fault), pytest.raises(AssertionError):  # type: ignore[attr-defined]
+        test(**given)

@@ -48,6 +48,15 @@ def test_what_was_appended_is_read(path: Path) -> None:
     assert path.stat().st_mode & 0o777 == 0o600
 
 
+def test_a_journal_that_was_only_begun_is_begun_anew(path: Path) -> None:
+    """A program killed while it made one leaves no half of it in its place."""
+    begun = path.with_name(f"{path.name}.begun")
+    begun.write_bytes(b"half a database")
+    said = write(path, 2)
+    assert [one.event for one in read_journal(path)] == said
+    assert not begun.exists()
+
+
 def test_a_journal_goes_on(path: Path) -> None:
     said = write(path, 3)
     with Journal(path) as journal:

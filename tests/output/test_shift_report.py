@@ -164,6 +164,7 @@ def test_no_pseudonym_is_in_any_file(six: Path, cache_folder: Path, tmp_path: Pa
     assert done.returncode == 2 and "nobody of this pseudonym worked" in done.stderr
 
 
+@pytest.mark.slow
 def test_means_over_five_or_more(six: Path, cache_folder: Path, scenario: fp.Scenario) -> None:
     """They are the means of what the workers' own reports say; one window, for each hour has fewer."""
     document, folder = report(six, cache_folder)
@@ -220,6 +221,7 @@ def as_if_on(event: Event) -> Event:
     return event.model_copy(update={"fallback": "none"}) if isinstance(event, Decided) else event
 
 
+@pytest.mark.slow
 def test_one_who_is_off_cannot_be_told_from_the_report_of_all(
     scenario: fp.Scenario, cache_folder: Path, tmp_path: Path
 ) -> None:
@@ -326,3 +328,29 @@ def test_doses_of_a_cycle_that_was_not_seen_are_expected_ones(scenario: fp.Scena
     own = loads[:, ENTRIES.index(entry)]
     assert table.loc[entry, "dose_s"] == pytest.approx(chances @ own)
     assert table.loc[entry, "deviation_s"] == pytest.approx(np.sqrt(chances @ (own - chances @ own) ** 2))
+
+
+def test_the_card_is_one_page_that_says_what_is_processed(scenario: fp.Scenario, tmp_path: Path) -> None:
+    done = fatplan("live", "card", "paper", "--keep-days", 90, "--output", tmp_path / "card.html")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "card.html").read_text()
+    text = " ".join(re.sub(r"<style>.*?</style>|<[^>]+>", " ", page, flags=re.S).split())
+    assert len(text) < 4000  # what goes on a page
+    for words in ("high and low", "arm and back", "90 days", "advise", "No safety function", "no legal advice"):
+        assert words in text, words
+    names = Names()
+    names.feed(page)
+    assert all(link.startswith(("#", "data:")) for link in names.links)
+    journal = write_journal(tmp_path / "one.fatplan", stored([(0.0, opening(scenario, experiment="paper"))]))
+    done = fatplan("live", "card", journal, "--output", tmp_path / "other.html")
+    assert done.returncode == 0, done.stderr
+    assert "multiple novice" in (tmp_path / "other.html").read_text()
+    assert "no limit is set" in (tmp_path / "other.html").read_text()
+    for wrong in (("nowhere",), ("paper", "--condition", "none"), ("paper", "--output", "card.pdf")):
+        assert fatplan("live", "card", *wrong, cwd=tmp_path).returncode == 2
+
+
+def test_a_card_names_what_is_learnt_of_a_hidden_worker(tmp_path: Path) -> None:
+    done = fatplan("live", "card", "hidden_worker", "--output", tmp_path / "card.html")
+    assert done.returncode == 0, done.stderr
+    assert "how fast he tires" in (tmp_path / "card.html").read_text()

@@ -306,6 +306,9 @@ def test_without_an_allowed_place_nothing_is_recommended(
 ) -> None:
     none = replace(assessment, best=BestPlaces({}, None, None, {}, None, assessment.best.excluded))
     page = words(Reader(station_page(none, postures, catalogue_of("en"))).text)
+    assert "What one change would do is not computed" not in page  # it is
+    tried = replace(none, changes=())
+    assert "is not computed (--changes)." in words(Reader(station_page(tried, postures, catalogue_of("en"))).text)
     assert "No cycle is recommended." in page and "(recommended)" not in page and "least bad" in page
 
 

@@ -1,7 +1,7 @@
 """The lower bound on the cost: below the optimum by enumeration, close to it, and never beaten."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -41,6 +41,7 @@ class Model:
     expertise: float
     discount: float = 0.9
     entries: int = 8
+    factors: np.ndarray | None = None
 
     def transition(self, state: np.ndarray, action: int) -> np.ndarray:
         return self.gain[action] * state + self.offset[action]
@@ -51,8 +52,13 @@ class Model:
     def costs(self, state: np.ndarray, action: int) -> np.ndarray:
         return self.cost(self.transition(state, action))
 
-    def choice(self, state: np.ndarray, action: int) -> np.ndarray:
-        return choice_probabilities(self.costs(state, action), self.expertise)
+    def choice(self, state: np.ndarray, action: int, last: int = -1) -> np.ndarray:
+        """By the last preference, -1 for none."""
+        chances = choice_probabilities(self.costs(state, action), self.expertise)
+        if self.factors is None:
+            return chances
+        chances = chances * self.factors[0 if len(self.factors) == 1 else 1 + last]
+        return chances / chances.sum()
 
 
 @dataclass(frozen=True)
@@ -81,30 +87,31 @@ BELIEFS = {"single": SINGLE, "several": SEVERAL}
 def bound(model: Model, belief: Start, n_cycles: int, **effort: int) -> CostBound:
     return cost_lower_bound(
         model.gain, model.offset, model.expertise, belief.states, belief.weights, model.discount, model.entries,
-        n_cycles, **effort,
+        n_cycles, factors=model.factors, **effort,
     )  # fmt: skip
 
 
 def known(model: Model, expertise: float) -> Task:
     """The task of whoever knows that the worker starts as in SINGLE."""
     weight, no_posture = np.full(4, 1 / 8), np.zeros(model.gain.shape[:2])
-    return Task(model.gain, model.offset, SINGLE.states[0], weight, no_posture, expertise, 0.9)
+    factors = np.ones((1, model.gain.shape[1])) if model.factors is None else model.factors
+    return Task(model.gain, model.offset, SINGLE.states[0], weight, no_posture, expertise, 0.9, factors)
 
 
-def optimum(model: Model, belief: Start, n_cycles: int) -> float:
+def optimum(model: Model, belief: Start, n_cycles: int, last: int = -1) -> float:
     """The least expected cost, over every history of actions and observed reactions."""
     if n_cycles == 0:
         return 0.0
     costs = []
     for action in range(len(model.gain)):
-        choice = np.array([model.choice(state, action) for state in belief.states])
+        choice = np.array([model.choice(state, action, last) for state in belief.states])
         total = float(belief.weights @ [p @ model.costs(s, action) for p, s in zip(choice, belief.states, strict=True)])
         for seen in range(model.gain.shape[1]):
             weights = belief.weights * choice[:, seen]
             if weights.sum() > 0:
                 moved = np.array([model.transition(state, action)[seen] for state in belief.states])
                 following = Start(moved[weights > 0], weights[weights > 0] / weights.sum())
-                total += model.discount * weights.sum() * optimum(model, following, n_cycles - 1)
+                total += model.discount * weights.sum() * optimum(model, following, n_cycles - 1, seen)
         costs.append(total)
     return min(costs)
 
@@ -138,6 +145,33 @@ def test_it_is_the_optimum_where_every_history_fits(expertise: float, start: str
     found = bound(model, belief, 5)
     assert found.exact and not found.state_revealed and found.exact_cycles == 5
     assert found.cost == pytest.approx(optimum(model, belief, 5), rel=2 * ROUNDING)
+
+
+LIKED = np.array([[1.0, 0.3]])
+HABIT = np.array([[1.0, 0.5], [1.0, 0.1], [0.4, 1.0]])
+
+
+@pytest.mark.parametrize("expertise", EXPERTISE)
+@pytest.mark.parametrize("start", BELIEFS)
+@pytest.mark.parametrize("factors", [LIKED, HABIT])
+def test_it_holds_for_who_likes_some_preferences_or_clings_to_one(
+    expertise: float, start: str, factors: np.ndarray
+) -> None:
+    model, belief = replace(small_model(expertise), factors=factors), BELIEFS[start]
+    found, every = bound(model, belief, 6, **SMALL), bound(model, belief, 5)
+    best = optimum(model, belief, 6)
+    assert not found.exact and (0.98 if expertise == 0 else 0.8) * best < found.cost <= best
+    assert every.exact and every.cost == pytest.approx(optimum(model, belief, 5), rel=2 * ROUNDING)
+    if 0 < expertise < math.inf:
+        assert best != pytest.approx(optimum(small_model(expertise), belief, 6), rel=1e-4)
+
+
+def test_it_holds_where_classes_do_not_know_the_last_choice() -> None:
+    """An expert's first choice is too close to call, so no class remembers anything: every habit is possible."""
+    model = replace(small_model(math.inf), factors=HABIT)
+    model.gain[:, 1], model.offset[:, 1] = model.gain[:, 0], model.offset[:, 0]
+    found = bound(model, SINGLE, 6)
+    assert found.memory == 0 and 0 < found.cost <= optimum(model, SINGLE, 6)
 
 
 def test_a_novice_never_reveals_a_hidden_state() -> None:
@@ -291,22 +325,25 @@ def test_a_hidden_state_merges_the_entries_that_start_alike() -> None:
     assert np.square(task.start) @ task.cost_weight == pytest.approx(sum(costs))
 
 
+@pytest.mark.parametrize("likes", ["nothing", "one", "the last"])
 @pytest.mark.parametrize("preferences", [2, 3])
 @pytest.mark.parametrize("expertise", [1e-3, 1.0, 100.0, 1e300, math.inf])
-def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, preferences: int) -> None:
+def test_the_extreme_reactions_span_every_choice_in_the_box(expertise: float, preferences: int, likes: str) -> None:
     """No linear function of the probabilities is lower at a state of the box than at every extreme."""
     rng = np.random.default_rng(0)
-    model = small_model(expertise, preferences=preferences)
+    rows = {"nothing": 1, "one": 1, "the last": 1 + preferences}[likes]
+    factors = np.ones((1, preferences)) if likes == "nothing" else rng.uniform(0.05, 1, (rows, preferences))
+    model = replace(small_model(expertise, preferences=preferences), factors=factors)
     task = known(model, expertise)
     states = HistoryClasses(task, 1, 5).states(3)
-    extremes = reaction_extremes(task, states)
+    extremes = reaction_extremes(task, states, task.factors_after(np.arange(task.branches))[:, None])
     np.testing.assert_allclose(extremes.sum(axis=-1), 1, rtol=1e-12)
     assert (extremes >= 0).all()
     value = rng.normal(size=(20, preferences))
     for m, _ in product(range(task.branches), range(50)):
         state = states.typical[m] + rng.uniform(states.low[m], states.high[m])
         for action in range(2):
-            chosen = value @ model.choice(state, action)
+            chosen = value @ model.choice(state, action, m % preferences)
             assert (chosen >= (extremes[m, action] @ value.T).min(axis=0) - 1e-12).all()
 
 
@@ -316,7 +353,7 @@ def test_the_choice_is_that_of_the_model(expertise: float) -> None:
     task = known(model, expertise)
     costs = np.array([[0.1, 0.3, 0.2], [0.2, 0.1, 0.1], [0.0, 0.0, 0.0]])
     expected = [choice_probabilities(row, expertise) for row in costs]
-    np.testing.assert_allclose(task.choice(costs), expected, rtol=1e-14)
+    np.testing.assert_allclose(task.choice(costs, np.ones(3)), expected, rtol=1e-14)
 
 
 def test_the_minimum_over_a_box() -> None:

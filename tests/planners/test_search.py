@@ -103,7 +103,7 @@ def test_exact_backup_knows_the_chances_everywhere(recognition: np.ndarray | Non
     np.testing.assert_allclose(tree.mean_reward[0], belief.expected_rewards(), rtol=1e-12)
     for action in range(2):
         outcomes = belief.model.probabilities(belief.states[0], action)
-        np.testing.assert_allclose(tree.chance[0, action], outcomes @ belief.model.arrays.observation, rtol=1e-12)
+        np.testing.assert_allclose(tree.chance[0, action], outcomes @ belief.model.arrays.observation[0], rtol=1e-12)
 
 
 def test_mean_backup_is_the_mean_of_the_returns_everywhere() -> None:

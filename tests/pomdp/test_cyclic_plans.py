@@ -8,6 +8,7 @@ from small_problems import STARTS, lookahead, relaxed, small_model
 
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.pomdp import cyclic_plans
+from fatigue_planner.pomdp.choices.offset import OffsetChoice
 from fatigue_planner.pomdp.cyclic_plans import MAX_PLANS, best_plan_value, mean_maps, plan_values
 from fatigue_planner.pomdp.cyclic_plans import cyclic_plans as all_plans
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers
@@ -18,10 +19,11 @@ def return_of(plan: tuple[int, ...], model: FatiguePomdp, fatigue: np.ndarray, c
     shape = (len(model.actions), len(model.outcomes), -1)
     gain, offset = (table.reshape(shape)[..., : model.active_entries.size] for table in model.arrays[:2])
     mean, square, total = fatigue.copy(), fatigue**2, 0.0
+    chances = model.probabilities(model.state(fatigue), 0)  # which for novices are the same always
     for cycle in range(cycles):
         g, o = gain[plan[cycle % len(plan)]], offset[plan[cycle % len(plan)]]
-        square = (g**2 * square + 2 * g * o * mean + o**2).mean(axis=0)
-        mean = (g * mean + o).mean(axis=0)
+        square = chances @ (g**2 * square + 2 * g * o * mean + o**2)
+        mean = chances @ (g * mean + o)
         total -= model.discount**cycle * square.sum() / model.entries
     return total
 
@@ -34,9 +36,10 @@ def test_plans_are_all_sequences_that_repeat_no_shorter_one() -> None:
     assert len(all_plans(10_000)) == 10_000 > MAX_PLANS  # single actions are always plans
 
 
-def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("choices", [None, OffsetChoice(kind="offset", offsets={"y": 0.7})])
+def test_values_are_the_returns_of_the_plans(monkeypatch: pytest.MonkeyPatch, choices: OffsetChoice | None) -> None:
     monkeypatch.setattr(cyclic_plans, "undominated", lambda values, *_: values)
-    model = small_model(0.0)
+    model = small_model(0.0, choices=choices)
     values = model.bound_arrays
     for index, plan in enumerate(all_plans(2)):
         for fatigue in STARTS:

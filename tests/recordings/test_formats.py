@@ -180,6 +180,7 @@ WRONG: dict[str, tuple[Callable[[bytes], Content], bytes, str]] = {
     "CSV, what?": (read_csv, b"time_s,a\n1,2\n", "a: should end in _x, _y or _z"),
     "CSV, units": (read_csv, b"time_s,a_x_m,a_y_mm,a_z_m\n1,2,3,4\n", "different units: m, mm"),
     "BVH, no end": (read_bvh, changed(bvh(), ("MOTION", "")), "is not expected here"),
+    "BVH, no joint": (read_bvh, b"HIERARCHY\x0bROOT Hips\n{\n", "line 2: '{' is not expected here"),
     "BVH, rows": (read_bvh, changed(bvh(), ("Frames: 6", "Frames: 7")), "has 6 rows after Frame Time; Frames says 7"),
     "BVH, channel": (read_bvh, changed(bvh(), ("Xposition", "Xplace")), "'Xplace' is not a channel"),
     "BVH, still": (read_bvh, changed(bvh(), ("Time: 0.01", "Time: 0")), "should be a positive number of seconds"),

@@ -90,6 +90,11 @@ def test_upwards_is_inferred_and_contradictions_are_refused() -> None:  # fault 
     assert value(of_trc(POSITION[:, :3], Given(up="-x"), labels=("a", "b", "c")), "up") == "-x"
 
 
+def test_points_in_one_place_are_no_body() -> None:  # as a damaged file had them
+    with pytest.raises(RecordingError, match="does not say which axis is up"):
+        of_trc(np.full_like(POSITION, 100.0))
+
+
 def test_exchanged_sides_and_mirrors_are_refused() -> None:  # fault 2
     exchanged = [{"L": "R", "R": "L"}.get(label[0], label[0]) + label[1:] for label in LABELS]
     exchanged = [
@@ -201,6 +206,24 @@ def test_the_mass_is_the_plates_or_is_doubted() -> None:  # fault 11
     assert "plate 1 shows +12.0 N while nobody is on it" in remarks(
         interpret(read_mot(mot(plate_columns(drifting))), NOTHING), 11
     )
+
+
+def test_plates_may_be_in_another_file(tmp_path: Path) -> None:
+    """OpenSim's way: markers in mm, plates in m; both in the same axes, y up."""
+    (tmp_path / "walk.trc").write_bytes(trc(POSITION @ Y_UP.T * 1000, unit="mm"))
+    (tmp_path / "walk.mot").write_bytes(mot(plate_columns(np.full(40, 700.0), at=(0.1, 0.0, -0.2))))
+    (tmp_path / "late.mot").write_bytes(mot(plate_columns(np.full(40, 700.0))).replace(b"\n0.0\t", b"\n-0.1\t"))
+    formats, found = read_recording(tmp_path / "walk.trc", tmp_path / "walk.mot")
+    assert formats == "TRC + MOT"
+    np.testing.assert_allclose(points(found), POSITION, atol=1e-9)
+    np.testing.assert_allclose(found.recording.ground[0].centre_m(), np.tile([0.1, 0.2], (40, 1)), atol=1e-9)
+    for others, why in (
+        (("late.mot",), "begin at different times: 0 s and, the plates, -0.1 s"),
+        (("walk.mot", "walk.mot"), "have plates in more than one file"),
+        (("walk.trc",), "are several motions"),
+    ):
+        with pytest.raises(RecordingError, match=why):
+            read_recording(tmp_path / "walk.trc", *(tmp_path / other for other in others))
 
 
 def test_mappings_know_what_they_are_for() -> None:

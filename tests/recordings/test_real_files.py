@@ -38,7 +38,7 @@ MAPPINGS = {
 
 
 def read(name: str, given: Given | None = None, choices: Choices | None = None) -> Interpreted:
-    return read_recording(real(name), given, choices)[1]
+    return read_recording(real(name), given=given, choices=choices)[1]
 
 
 def value(found: Interpreted, what: str) -> str:

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from fatigue_planner.station.assessment import Sensing
 from fatigue_planner.station.bound_experiments import bound_experiments
 from fatigue_planner.station.changes import changed_stations, changes_of
 from fatigue_planner.station.examine import Examined, examine
+from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.rotation import DISCOUNT, best_rotation
 from fatigue_planner.station.sensing import scenario_of, sensing_of, ways_of
 from fatigue_planner.station.statements import headline_of
@@ -191,6 +193,57 @@ def test_what_sensing_adds_lies_between_the_schedule_and_the_bound(folder: Path)
     assert all(doings[0].way == "arm" or doings in best for doings in forced)
     single = examined(folder, **said, ways=["arm"], binding=[])
     assert sensing_of(single, cache, "fatplan assess") == Sensing(0.0, 0.0, 0.0, 0.0, certain=True)
+
+
+def test_the_schedule_of_a_station_is_that_of_its_page(folder: Path) -> None:
+    """Of places that are allowed, in the station's words; what is kept of the motions serves both."""
+    said = LINE | {
+        "name": "bench",
+        "places": {name: {"x": 0.35, "y": 0.0, "z": z} for name, z in (("low", 1.1), ("high", 1.15), ("roof", 2.9))},
+        "operations": {"one": {"places": ["low", "high", "roof"], "seconds": 2, "tool": "screwdriver"}},
+        "ways": ["arm"],
+        "cycle": {"duration_s": 90},
+    }
+    (folder / "bench.yaml").write_text(yaml.safe_dump(said, sort_keys=False))
+    station_of_page = load_station(folder / "bench.yaml")
+    found = examine([station_of_page], store(folder), LocalProcesses(2), "fatplan assess", lambda _: None)[0]
+    rotation = best_rotation(found, store(folder), "fatplan assess")
+    done = fatplan("schedule", "bench.yaml", "--json", cwd=folder)
+    assert done.returncode == 0 and rotation is not None, done.stderr
+    schedule = json.loads(done.stdout)
+    assert schedule["places"] == list(map(dict, rotation.sequence)) and schedule["exact"] == rotation.exact
+    assert schedule["schedule"] == [places["one"] for places in schedule["places"]]
+    assert [each["condition"] for each in schedule["conditions"]] == list(LINE["workers"])
+    assert schedule["left_out"] == ["roof is left out: small_woman, tall_man, left_hander cannot work there"]
+    files = folder / "results" / "bench" / "schedule"
+    assert {path.name for path in files.iterdir()} == {f"schedule_card.{kind}" for kind in ("csv", "png", "svg")}
+    text = fatplan("schedule", "bench.yaml", "--conditions", "tall_man", "--longest", 1, cwd=folder).stdout
+    assert "the best fixed place" in text and "small_woman" not in text and "novice" not in text
+    card = (files / "schedule_card.svg").read_text(encoding="utf-8")
+    assert "Man P95" in card and "tall" not in card
+    (folder / "roof.yaml").write_text(
+        yaml.safe_dump(said | {"operations": {"one": {"places": ["roof"], "seconds": 2}}})
+    )
+    refused = fatplan("schedule", "roof.yaml", cwd=folder)
+    assert (
+        refused.returncode == 2 and "roof.yaml: no place is allowed that a schedule could have: roof" in refused.stderr
+    )
+
+
+def test_the_guide_prints_what_the_program_does(tmp_path: Path) -> None:
+    """The lines of docs/station.md, in their order, among the first ten that follow the workers."""
+    guide = (ROOT / "docs" / "station.md").read_text(encoding="utf-8")
+    lines = guide.partition("```text\n")[2].partition("```")[0].splitlines()
+    printed = fatplan("assess", "car_line", cwd=tmp_path).stdout.splitlines()[1:11]
+    patterns = [re.escape(line).replace("…", ".*") for line in lines]
+    found = [next(i for i, said in enumerate(printed) if re.fullmatch(each, said.strip())) for each in patterns]
+    assert len(found) == 5 and found == sorted(found)
+    first = "\n".join(printed)
+    for said in (
+        "small_woman cannot reach overhead", "overhead is not acceptable for", "ISO 11226 (head leaning back, 25 s)",
+        "Best for fit: door", "The most tired joint is",
+    ):  # fmt: skip
+        assert said in first, said
 
 
 def test_a_limit_binds_and_says_so(folder: Path) -> None:

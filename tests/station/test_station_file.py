@@ -81,6 +81,9 @@ def test_a_station_becomes_experiments_that_simulate_takes(tmp_path: Path) -> No
         asked = [request.digest for request in reaction_requests(part.experiment)]
         assert [request.digest for request in reaction_requests(experiment)] == asked
         assert experiment.name == part.experiment.name
+    said = fatplan("assess", "wish.yaml", "--explain", "--output", "parts", cwd=tmp_path).stdout
+    assert said.split() == ["parts/line7_fit_right.yaml", "parts/line7_fit_left.yaml"]
+    assert [load_experiment(tmp_path / file).name for file in said.split()] == ["line7_fit_right", "line7_fit_left"]
 
 
 def test_limits_bind_the_experiments() -> None:
@@ -221,6 +224,11 @@ def test_the_stations_own_population_counts() -> None:
         station(population=own, workers={"bob": {"percentile": 5, "sex": "male"}})
 
 
+def test_other_work_of_the_shift_is_heard() -> None:
+    said = {"hours": 4, "other_work": {"press": {"strain_index": 6.2, "hours": 3}}}
+    assert [(each.strain_index, each.hours) for each in shift_of(station(shift=said)).other_work] == [(6.2, 3)]
+
+
 def test_the_indicators_hear_what_is_stated() -> None:
     operation = {"places": "door", "seconds": 5, "coupling": "poor", "times_per_cycle": 2}
     breaks = [{"at_min": 100, "minutes": 15}, {"at_min": 240, "minutes": 30}]
@@ -271,9 +279,11 @@ def test_a_file_in_an_experiments_words_is_told_a_stations(tmp_path: Path) -> No
     assert "places: {overhead: {x: 0.35, y: -0.15, z: 1.8}}" in message
     assert "workers.lefty.handed: unknown key; did you mean 'handedness'?" in message
     assert "is missing" not in message
-    assert "is a station, not an experiment; it is for `fatplan assess`" in refused(
-        2, "simulate", ROOT / "experiments" / "car_line.yaml"
-    )
+    line = ROOT / "experiments" / "car_line.yaml"
+    for command in ("simulate", "view", "benchmark", "live serve"):
+        message = refused(2, *command.split(), line)
+        assert "is a station, not an experiment; it is for `fatplan assess` and `schedule`" in message
+        assert f"`fatplan assess {line} --explain --output DIR` writes the experiments it becomes." in message
     assert "is a study" in refused(2, "assess", ROOT / "experiments" / "sensitivity.yaml")
     content = yaml.safe_load(WISH) | {"cycle": {"duration_s": 42.01}}
     (tmp_path / "wish.yaml").write_text(yaml.safe_dump(content))

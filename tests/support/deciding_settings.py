@@ -89,6 +89,13 @@ def _experiment() -> Content:
              "weight": 1.0},
         ]
     }  # fmt: skip
+    content["robot"] = {
+        "arm": "ur10e", "base_m": {"x": 1.2, "y": -0.1, "z": 0.4, "yaw_deg": 170.0}, "clearance_m": 0.02,
+        "hold": {
+            "distance_m": 0.15, "direction": {"x": -1.0, "y": 0.1, "z": 0.1}, "roll_deg": 10.0, "mass_kg": 2.0,
+        },
+        "link_radius_m": 0.05,
+    }  # fmt: skip
     content["fatigue"] |= {
         "law": {"kind": "3cc_r"}, "rates": "frey_law_2012", "rest_multiplier": 15.0,
         "strength_by_angle": ["medx_lumbar", "kamon_arm"],
@@ -111,12 +118,21 @@ def _experiment() -> Content:
     }
     names = list(content["preferences"])
     content["recognition"] = {name: {other: float(other == name) for other in names} for name in names}
+    content["recognition_by_action"] = {"low": copy.deepcopy(content["recognition"])}
+    content["choice_models"] = {
+        "plain": {"kind": "boltzmann"}, "liked": {"kind": "offset", "offsets": {"arm": 0.5}},
+        "habit": {"kind": "inertia", "inertia": 1.0, "offsets": {"back": 0.2}},
+    }  # fmt: skip
     content["belief"] = {"kind": "particles", "count": 20}
     grid = content["benchmark"]
     for condition in grid["conditions"].values():
         condition["worker"] = "average_man"
     grid["conditions"] |= {
         "tired_woman": {"worker": "woman", "initial_belief": "multiple", "expertise": 0.5},
+        **{
+            f"{name}_woman": {"worker": "woman", "initial_belief": "multiple", "expertise": 0.5, "choice_model": name}
+            for name in content["choice_models"]
+        },
         **{
             f"unknown_{turn}": {"worker": "woman", "initial_belief": "single", "hidden_worker": f"unknown_{turn}"}
             for turn in range(3)
@@ -188,7 +204,9 @@ def _conditions(key: str) -> Callable[[str], set[str]]:
     }
 
 
-OF_WORKER, OF_START, OF_HIDDEN = map(_conditions, ("worker", "initial_belief", "hidden_worker"))
+OF_WORKER, OF_START, OF_HIDDEN, OF_CHOICES = map(
+    _conditions, ("worker", "initial_belief", "hidden_worker", "choice_model")
+)
 EVERYWHERE = {"cells": lambda leaf, condition, policy: True, "bounds": lambda leaf, condition: True}
 ALL_MOTIONS = {"reactions": lambda leaf, name: True}
 
@@ -240,7 +258,13 @@ RULES = (
         "who the worker may be in the conditions that say so; these have no bound",
         cells=lambda leaf, condition, policy: condition in OF_HIDDEN(leaf.path[1]),
     ),
-    Rule(("recognition.*", "belief.*"),
+    Rule(
+        ("choice_models.*",),
+        "how the worker of the conditions that say so chooses",
+        cells=lambda leaf, condition, policy: condition in OF_CHOICES(leaf.path[1]),
+        bounds=lambda leaf, condition: condition in OF_CHOICES(leaf.path[1]),
+    ),
+    Rule(("recognition.*", "recognition_by_action.*", "belief.*"),
          "what is seen and how it is remembered; a bound holds for policies that see everything. Policies that do not "
          "look at their belief are keyed all the same: the belief's draws come from their stream",
          cells=lambda leaf, condition, policy: True),
@@ -259,6 +283,7 @@ RULES = (
     Rule(("benchmark.seed",), "the chance of every run; a bound has none", cells=lambda leaf, condition, policy: True),
     Rule(("benchmark.reference.*",), "what decisions are measured against", regret=True),
     Rule(("benchmark.max_decision_s",), "what is refused"),
+    Rule(("robot.*",), "which actions are there to choose from: here all, whatever is changed"),
     Rule(("statistics.*", "figures.*"), "what is made of the runs"),
 )  # fmt: skip
 
@@ -304,6 +329,8 @@ def _others(leaf: Leaf) -> Iterator[Content]:
         yield {("belief",): {"kind": "exact"}} | exact if leaf.path[0] == "belief" else {}
     elif isinstance(value, bool):
         yield {path: not value}
+    elif leaf.name == "robot.arm":
+        yield {path: "ur5e"}
     elif leaf.name == "fatigue.rates":
         yield {path: None}
     elif leaf.name == "cost.fatigue":  # which no leaf value of cyclic plans goes with

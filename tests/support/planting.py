@@ -37,10 +37,14 @@ def plant(fault: Planted) -> Callable[[], None]:
     function = function_at(fault.where)
     source = textwrap.dedent(inspect.getsource(function))
     assert source.count(fault.old) == 1, f"{fault.where}: {source.count(fault.old)} places are {fault.old!r}"
-    namespace: dict[str, Any] = {}
     lines = source.replace(fault.old, fault.new)
-    exec(compile(lines[lines.index("def ") :], fault.where, "exec"), function.__globals__, namespace)
-    before, function.__code__ = function.__code__, namespace[function.__name__].__code__
+    lines = lines[min(lines.index(word) for word in ("def ", "async def ") if word in lines) :]
+    # inside another function, which has what it closes over, such as the class that `super` needs
+    closed = "".join(f"    {name} = None\n" for name in function.__code__.co_freevars)
+    outer = f"def outer():\n{closed}{textwrap.indent(lines, '    ')}\n    return {function.__name__}\n"
+    namespace: dict[str, Any] = {}
+    exec(compile(outer, fault.where, "exec"), function.__globals__, namespace)
+    before, function.__code__ = function.__code__, namespace["outer"]().__code__
 
     def remove() -> None:
         function.__code__ = before

@@ -1,6 +1,7 @@
 """Shifts of the paper's task that pass as fast as they can be computed: a clock that is moved, and cycles worked."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -69,7 +70,19 @@ class World:
     def open(self, name: str = "shift.fatplan", clock: FakeClock | None = None, **options: Any) -> fp.Session:
         return fp.Session.open(self.folder / name, self.scenario, clock=clock or self.clock, **options)
 
-    def serve(self, *options: object) -> Server:
+    @contextmanager
+    def serving(self, *options: object) -> Iterator[Server]:
+        """A server, which is ended in good order; killed if something fails."""
+        server = self._started(*options)
+        try:
+            yield server
+            server.process.terminate()
+            server.process.wait(60)
+        finally:
+            server.process.kill()
+            server.process.communicate()
+
+    def _started(self, *options: object) -> Server:
         before = commands.FATPLAN[:]
         if self.fault:
             commands.FATPLAN[2] = program(self.fault) + commands.FATPLAN[2]

@@ -18,6 +18,7 @@ from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.beliefs.exact import ExactBelief
 from fatigue_planner.pomdp.beliefs.registry import ExactSettings
 from fatigue_planner.pomdp.boltzmann import normalise_choice
+from fatigue_planner.pomdp.choices.choice_model import ChoiceModel
 from fatigue_planner.pomdp.fatigue_pomdp import FatiguePomdp, Workers, build_pomdp, one_worker
 from fatigue_planner.pomdp.hidden_worker import HiddenWorker, WorkerPrior
 from fatigue_planner.pomdp.problem import Dynamics, Pomdp
@@ -33,7 +34,7 @@ SEVERAL = np.array([[0.0, 0.0, 0.0], *STARTS])
 def choice_probabilities(costs: np.ndarray, expertise: float) -> np.ndarray:
     """Eq. 4 for costs (U,)."""
     probabilities = costs.copy()
-    normalise_choice(probabilities, expertise)
+    normalise_choice(probabilities, expertise, np.ones((1, costs.size)), 0)
     return probabilities
 
 
@@ -48,9 +49,13 @@ def small_profiles() -> dict[tuple[str, str], CycleProfile]:
     }
 
 
-def small_model(expertise: float, recognition: np.ndarray | None = None) -> FatiguePomdp:
+def small_model(
+    expertise: float, recognition: np.ndarray | None = None, choices: ChoiceModel | None = None
+) -> FatiguePomdp:
     """The made-up task; its worker's choices are random unless he is an expert."""
-    return build_pomdp("ab", "xy", small_profiles(), np.zeros((1, 3)), one_worker(expertise), 0.95, recognition)
+    odds = None if choices is None else choices.log_odds("xy")
+    worker = one_worker(expertise)
+    return build_pomdp("ab", "xy", small_profiles(), np.zeros((1, 3)), worker, 0.95, recognition, log_odds=odds)
 
 
 def belief_in(model: FatiguePomdp, fatigue: np.ndarray, weights: Any) -> ExactBelief:

@@ -33,6 +33,7 @@ from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.reactions import key as reaction_key
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+from fatigue_planner.station import kept_shares
 from fatigue_planner.study.benchmark import bounds, cell, regret
 from fatigue_planner.study.benchmark.bounds import bound_jobs
 from fatigue_planner.study.benchmark.regret import RegretJob
@@ -71,6 +72,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
             [
                 experiment.fatigue.plain(),
                 experiment.cost.plain(),
+                experiment.robot and experiment.robot.plain(),
                 [worker.strength for worker in experiment.workers.values()],
             ]
         )
@@ -234,6 +236,8 @@ TOO_MUCH = {
     "human/data/strength_spread.yaml",  # what a set's percentile is; the torques are in the key
     "pomdp/cycles.py", "pomdp/beliefs/moments.py",
     *(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / "planners/bounds").glob("[a-z]*.py")),
+    # a choice model's log-odds are in the key
+    *(path.relative_to(PACKAGE).as_posix() for path in (PACKAGE / "pomdp/choices").glob("[a-z]*.py")),
     *(f"human/{path.relative_to(PACKAGE / 'human')}" for path in (PACKAGE / "human/data/strengths").glob("*.yaml")),
     # laws, rates and loads make profiles, which are in the key; a profile brings the code of its law with it
     *(
@@ -307,6 +311,13 @@ def test_a_file_is_in_the_key_if_what_makes_the_numbers_can_reach_it(kind: str) 
     assert reached - keyed <= set(without), "in reach, not in the key"
     assert data <= keyed
     assert keyed - reached - data <= TOO_MUCH
+
+
+def test_what_finds_who_of_a_population_reaches_a_place_is_in_its_key() -> None:
+    """But for what an experiment's file may say of planning, of which a station says nothing."""
+    reached, _ = in_reach("station.population_reach")
+    without = reached - set(digests_of_package(*kept_shares.SOURCES))
+    assert {file.partition("/")[0] for file in without} == {"planners", "pomdp"}
 
 
 def test_a_room_says_what_it_is_and_no_more() -> None:

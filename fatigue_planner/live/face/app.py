@@ -2,7 +2,9 @@
 
 import asyncio
 import json
+import math
 import time
+from collections import Counter
 from collections.abc import AsyncIterator
 from dataclasses import asdict
 from functools import partial
@@ -16,18 +18,21 @@ from starlette.routing import Route
 from fatigue_planner import __version__
 from fatigue_planner.core.errors import ContradictionError, EvidenceError, FatplanError
 from fatigue_planner.live.clock import RehearsalClock
+from fatigue_planner.live.face.description import openapi
 from fatigue_planner.live.face.guard import HEADERS, Guard, Tokens
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
-from fatigue_planner.live.face.requests import CALLS, Request, openapi, parse
+from fatigue_planner.live.face.requests import CALLS, Request, parse
 from fatigue_planner.live.session import Session
 
 # Those who watch get the newest state so often, and after every change.
 EVENT_EVERY_S = 1.0
 MAX_WATCHERS = 50
+# Refusals are journalled so often at most, however many there are.
+REFUSALS_EVERY_S = 1.0
 
 
 class Face:
-    """A session as an ASGI application; see `requests.openapi` for what it offers."""
+    """A session as an ASGI application; see `description.openapi` for what it offers."""
 
     def __init__(self, session: Session, rehearsal: RehearsalClock | None = None) -> None:
         self._session, self._rehearsal = session, rehearsal
@@ -35,18 +40,24 @@ class Face:
         self._watchers = self._changes = 0
         self._event_of: tuple[int, int] | None = None
         self._text = ""
+        self._refusals: Counter[str] = Counter()
+        self._refusals_told_s = -math.inf
 
     def application(self, tokens: Tokens, hosts: frozenset[str]) -> Guard:
         """The application, guarded."""
+        return Guard(Starlette(routes=self.routes()), tokens, hosts, self._refused)
+
+    def routes(self) -> list[Route]:
+        """What is answered, path by path."""
         routes = [Route(f"/v1/{name}", self._call, methods=["POST"], name=name) for name in CALLS]
-        routes += [
+        return [
+            *routes,
             Route("/v1/state", self._state),
             Route("/v1/events", self._events),
             Route("/healthz", self._health),
             Route("/openapi.json", self._openapi),
             Route("/", self._page),
         ]
-        return Guard(Starlette(routes=routes), tokens, hosts)
 
     async def _call(self, request: HttpRequest) -> Response:
         name = request.url.path.rpartition("/")[2]
@@ -72,7 +83,19 @@ class Face:
     async def _state(self, _: HttpRequest) -> Response:
         return JSONResponse(self._snapshot(), headers=HEADERS)
 
+    def _refused(self, code: int) -> None:
+        self._refusals[str(code)] += 1
+        self.tell_refusals(REFUSALS_EVERY_S)
+
+    def tell_refusals(self, after_s: float = 0.0) -> None:
+        """Journal what was refused, if it has been so long since the last time."""
+        if self._refusals and time.monotonic() - self._refusals_told_s >= after_s:
+            self._session.refused(self._refusals)
+            self._refusals.clear()
+            self._refusals_told_s = time.monotonic()
+
     def _snapshot(self) -> dict[str, Any]:
+        self.tell_refusals(REFUSALS_EVERY_S)
         return {**asdict(self._session.state()), "watchers": self._watchers}
 
     def _event(self) -> str:
@@ -86,7 +109,7 @@ class Face:
     async def _events(self, request: HttpRequest) -> Response:
         if self._watchers >= MAX_WATCHERS:
             return JSONResponse({"error": f"{MAX_WATCHERS} are watching already"}, 503, HEADERS)
-        headers = {**HEADERS, "x-accel-buffering": "no"}
+        headers = {**HEADERS, "x-accel-buffering": "no", "fatplan-right": request.scope["right"]}
         return StreamingResponse(self._stream(request), media_type="text/event-stream", headers=headers)
 
     async def _stream(self, request: HttpRequest) -> AsyncIterator[str]:

@@ -4,6 +4,8 @@ import asyncio
 import hashlib
 import hmac
 import secrets
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +15,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 MAX_BODY_BYTES = 65_536
 # A client sends its body in one go; one that does not is not waited for.
 BODY_WAIT_S = 5.0
+# More refusals than these are answered late.
+MAX_REFUSALS_PER_S, REFUSAL_WAIT_S = 50, 1.0
 OPEN_PATHS = frozenset({"/", "/healthz", "/openapi.json"})
 HEADERS = {
     "cache-control": "no-store",
@@ -49,10 +53,16 @@ def _digest(token: str) -> bytes:
 
 
 class Guard:
-    """Lets through what may pass: ASGI middleware. `hosts`: what the Host header may say, such as 127.0.0.1:8765."""
+    """Lets through what may pass: ASGI middleware. `hosts`: what the Host header may say, such as 127.0.0.1:8765.
 
-    def __init__(self, app: ASGIApp, tokens: Tokens, hosts: frozenset[str]) -> None:
-        self._app, self._tokens, self._hosts = app, tokens, hosts
+    The scope of what it hands on says what the token permits, as `right`. Every refusal's status is told to `refused`.
+    """
+
+    def __init__(
+        self, app: ASGIApp, tokens: Tokens, hosts: frozenset[str], refused: Callable[[int], None] = lambda _: None
+    ) -> None:
+        self._app, self._tokens, self._hosts, self._refused = app, tokens, hosts, refused
+        self._second = self._in_second = 0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer what may not pass, hand on the rest."""
@@ -69,9 +79,19 @@ class Guard:
                 refusal = 413, f"the body is larger than {MAX_BODY_BYTES} bytes"
         if refusal is not None:
             code, text = refusal
+            self._refused(code)
+            await self._slow_down()
             await JSONResponse({"error": text}, code, {**HEADERS, "connection": "close"})(scope, receive, send)
             return
         await self._app(scope, _replayed(body, receive) if scope["method"] == "POST" else receive, send)
+
+    async def _slow_down(self) -> None:
+        """Keep who is refused often waiting."""
+        second = int(time.monotonic())
+        self._in_second = self._in_second + 1 if second == self._second else 1
+        self._second = second
+        if self._in_second > MAX_REFUSALS_PER_S:
+            await asyncio.sleep(REFUSAL_WAIT_S)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
         """Why a request may not pass."""
@@ -80,11 +100,11 @@ class Guard:
             if name in (b"host", b"origin", b"authorization", b"content-length") and name in headers:
                 return 400, f"the header {name.decode()} is there twice"
             headers[name] = value
-        host = headers.get(b"host", b"").decode("latin-1")
+        host = headers.get(b"host", b"").decode("latin-1").lower()
         if host not in self._hosts:
             return 421, "this program is not at that address"  # a page elsewhere that has been given our address
         origin = headers.get(b"origin")
-        if origin is not None and origin.decode("latin-1") not in (f"http://{host}", f"https://{host}"):
+        if origin is not None and origin.decode("latin-1").lower() not in (f"http://{host}", f"https://{host}"):
             return 403, "the request comes from a page elsewhere"
         length = headers.get(b"content-length", b"0")
         if not length.isdigit() or int(length[:20]) > MAX_BODY_BYTES:
@@ -97,6 +117,7 @@ class Guard:
             return 401, "a token is needed: Authorization: Bearer TOKEN"
         if right == "view" and scope["method"] not in ("GET", "HEAD"):
             return 403, "this token may only look"
+        scope["right"] = right
         return None
 
 

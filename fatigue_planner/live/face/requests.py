@@ -1,4 +1,4 @@
-"""What clients send, a strict model per call, and the description of the face as OpenAPI."""
+"""What clients send: a strict model per call."""
 
 from typing import Any
 
@@ -69,6 +69,10 @@ class Advise(Request):
     on: bool = Field(description="Whether the belief decides (true), or the schedule (false).")
 
 
+class Acknowledge(Request):
+    """Somebody has seen the alarms that are on."""
+
+
 class Configure(Request):
     """Decide otherwise from the next cycle on."""
 
@@ -96,7 +100,7 @@ class MoveClock(Request):
 # By path, what is done there.
 CALLS: dict[str, type[Request]] = {
     "decide": Decide, "executed": Executed, "observe": Observe, "skip": Skip, "rest": Rest, "worker": Worker,
-    "advise": Advise, "configure": Configure, "note": Note, "clock": MoveClock,
+    "advise": Advise, "acknowledge": Acknowledge, "configure": Configure, "note": Note, "clock": MoveClock,
 }  # fmt: skip
 
 
@@ -110,40 +114,3 @@ def parse(kind: type[Request], body: bytes) -> Request:
             for one in error.errors(include_url=False, include_context=False)[:10]
         ]
         raise EvidenceError("; ".join(faults)) from error
-
-
-def openapi(version: str) -> dict[str, Any]:
-    """The description of the face, as OpenAPI 3.1 has it."""
-    answers = {
-        "200": "What to do in the cycle that comes or goes on.",
-        "401": "No token, or a wrong one.",
-        "403": "The token may only look, or the request comes from a page elsewhere.",
-        "409": "The cycle was observed otherwise before; the first stands.",
-        "413": "The body is too large.",
-        "422": "What was sent cannot be: the message names the field or the cycle.",
-    }
-    responses = {code: {"description": text} for code, text in answers.items()}
-    paths: dict[str, Any] = {
-        f"/v1/{name}": {
-            "post": {
-                "summary": (kind.__doc__ or "").partition("\n")[0],
-                "requestBody": {"content": {"application/json": {"schema": kind.model_json_schema()}}},
-                "responses": responses,
-            }
-        }
-        for name, kind in CALLS.items()
-    }
-    looks = {
-        "/v1/state": "Where the shift stands.",
-        "/v1/events": "The same as server-sent events: whole, once a second and after every change.",
-        "/healthz": "Whether the program answers; needs no token.",
-    }
-    for path, text in looks.items():
-        paths[path] = {"get": {"summary": text, "responses": {code: responses[code] for code in ("200", "401")}}}
-    return {
-        "openapi": "3.1.0",
-        "info": {"title": "fatplan live", "version": version},
-        "paths": paths,
-        "components": {"securitySchemes": {"token": {"type": "http", "scheme": "bearer"}}},
-        "security": [{"token": []}],
-    }

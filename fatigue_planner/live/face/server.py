@@ -3,6 +3,7 @@
 import asyncio
 import resource
 import socket
+from asyncio import constants
 from contextlib import suppress
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.face.app import Face
 from fatigue_planner.live.face.guard import Tokens
+from fatigue_planner.live.face.tls import Certificate
 from fatigue_planner.live.session import Session
 
 # A request's headers come in one go; a connection that sends them drop by drop is closed.
@@ -60,10 +62,17 @@ class LimitedProtocol(H11Protocol):
             self._too_slow = None
 
 
+def check_host(host: str, shown: Certificate | None) -> None:
+    """Raise SelectionError for an address beyond this machine without a certificate."""
+    if host not in LOOPBACK and shown is None:
+        raise SelectionError(
+            f"--host {host}: beyond this machine the face speaks TLS only; give --tls-cert and --tls-key, or use one "
+            f"of {', '.join(LOOPBACK)}."
+        )
+
+
 def bound(host: str, port: int) -> socket.socket:
-    """A socket that listens on this machine. Raises SelectionError if it cannot, or is not this machine alone."""
-    if host not in LOOPBACK:
-        raise SelectionError(f"host {host}: the face serves this machine only; use one of {', '.join(LOOPBACK)}.")
+    """A socket that listens at an address of this machine. Raises SelectionError if it cannot."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # with the protocol named, asyncio sends what is written at once (TCP_NODELAY)
     listening = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
@@ -72,8 +81,18 @@ def bound(host: str, port: int) -> socket.socket:
         listening.bind((host, port))
     except OSError as error:
         listening.close()
-        raise SelectionError(f"port {port}: cannot be used ({error.strerror}).") from error
+        raise SelectionError(f"--host {host} --port {port}: cannot be used ({error.strerror}).") from error
     return listening
+
+
+def names_of(host: str, port: int, shown: Certificate | None) -> tuple[str, ...]:
+    """By which names and ports clients may call, the one to tell first: loopback, or those of the certificate."""
+    names = LOOPBACK if shown is None else shown.names
+    if host in names:
+        names = (host, *(name for name in names if name != host))
+    written = [f"[{name}]" if ":" in name else name.lower() for name in names]
+    usual = 80 if shown is None else 443
+    return tuple(f"{name}:{port}" for name in written) + tuple(written if port == usual else ())
 
 
 def write_token(path: Path, token: str) -> None:
@@ -83,15 +102,23 @@ def write_token(path: Path, token: str) -> None:
     path.write_text(f"{token}\n", encoding="ascii")
 
 
-def serve(session: Session, listening: socket.socket, tokens: Tokens, rehearsal: RehearsalClock | None = None) -> None:
-    """Serve until the program is stopped; the session of a rehearsal has its clock."""
-    port = listening.getsockname()[1]
-    hosts = frozenset(f"{name}:{port}" for name in ("127.0.0.1", "localhost", "[::1]"))
+def serve(
+    session: Session,
+    listening: socket.socket,
+    tokens: Tokens,
+    hosts: frozenset[str],
+    shown: Certificate | None = None,
+    rehearsal: RehearsalClock | None = None,
+) -> None:
+    """Serve until the program is stopped, clients that call by one of the `hosts`; a rehearsal has its clock."""
+    # asyncio has no public place for it where uvicorn makes the server
+    constants.SSL_HANDSHAKE_TIMEOUT = HEADERS_WAIT_S
     with suppress(OSError, ValueError):
         _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    face = Face(session, rehearsal)
     config = uvicorn.Config(
-        Face(session, rehearsal).application(tokens, hosts),
+        face.application(tokens, hosts),
         http=LimitedProtocol,
         ws="none",
         lifespan="off",
@@ -101,5 +128,10 @@ def serve(session: Session, listening: socket.socket, tokens: Tokens, rehearsal:
         timeout_keep_alive=KEEP_ALIVE_S,
         timeout_graceful_shutdown=2,
         backlog=1024,
+        ssl_certfile=None if shown is None else shown.chain,
+        ssl_keyfile=None if shown is None else shown.key,
     )
-    uvicorn.Server(config).run(sockets=[listening])
+    try:
+        uvicorn.Server(config).run(sockets=[listening])
+    finally:
+        face.tell_refusals()

@@ -18,7 +18,7 @@ of every history, gives no more than J_0: the bound.
 V_t(m, .) is a separable quadratic. Whatever its slopes and curvatures are, its constant is set to the
 largest that keeps (1): the minimum over a box of separable quadratics has a closed form
 (`sub_solution.fill_below`). For beta > 0 the P(u | f, a) that a box allows are replaced by all distributions
-between their least and greatest values (`reaction_range`), which can only lower the right side of (1). So
+between their least and greatest values (`probability_ranges`), which can only lower the right side of (1). So
 the bound needs no solver and has no tolerance: slopes chosen badly make it lower, not wrong. Only rounding
 remains: sums of L terms of the size of the bound, at 2^-53 each, which over 100 cycles stay below 1e-12
 of the bound. The fraction ROUNDING of it is subtracted; an expert's choice between costs that differ by no more than
@@ -82,12 +82,14 @@ def cost_lower_bound(
     leaves: int = LEAVES,
     entry_weight: Vector | None = None,
     posture_cost: Array | None = None,
+    factors: Array | None = None,
 ) -> CostBound:
     """Bound E[sum over t = 0 ... n_cycles - 1 of discount^t C(f_t+1)] from below, for every policy.
 
     gain, offset (A, U, L): the cycle map of every reaction; expertise: beta of Eq. 4, 0 to infinity;
     states (n, L), weights (n,): the initial belief; entries: 2N of Eq. 5, C(f) = sum of w f^2 / 2N + p with w =
-    entry_weight (L,), in the paper 1, and p = posture_cost (A, U) of the reaction before, in the paper 0. More
+    entry_weight (L,), in the paper 1, and p = posture_cost (A, U) of the reaction before, in the paper 0; factors
+    (1 or 1 + U, U): of the Boltzmann factors, by the reaction before (see `FatigueArrays`), in the paper 1. More
     `classes` of histories, and more `leaves` in the exact tree of the first cycles, make the bound
     tighter and take more time. Raises ValueError if a gain is negative.
     """
@@ -96,7 +98,8 @@ def cost_lower_bound(
         raise ValueError("The bound needs gains of at least 0.")
     w = np.ones(gain.shape[2]) if entry_weight is None else entry_weight
     p = np.zeros(gain.shape[:2]) if posture_cost is None else posture_cost
-    tasks, start_weights = [Task(gain, offset, s, w / entries, p, expertise, discount) for s in states], weights
+    b = np.ones((1, gain.shape[1])) if factors is None else factors
+    tasks, start_weights = [Task(gain, offset, s, w / entries, p, expertise, discount, b) for s in states], weights
     if expertise == 0:
         tasks, start_weights = [hidden_state(tasks[0], w, entries, states, weights)], np.ones(1)
     memory = min(class_memory(tasks[0].branches, classes), n_cycles)
@@ -140,12 +143,14 @@ def bound_of(scenario: Scenario, n_cycles: int) -> CostBound:
         n_cycles,
         entry_weight=model.arrays.cost.weight[:active],
         posture_cost=model.posture_cost,
+        factors=model.arrays.factors,
     )
 
 
 def fingerprint(scenario: Scenario) -> dict[str, Any]:
     """All that decides the bound of a scenario, as JSON values: neither its belief nor what is recognised."""
     model = scenario.model
+    factors = model.arrays.factors.tolist()
     return {
         "shape": [len(model.actions), len(model.outcomes), model.active_entries.size, model.entries],
         "gain": model.arrays.gain.tolist(),
@@ -155,4 +160,5 @@ def fingerprint(scenario: Scenario) -> dict[str, Any]:
         "weights": scenario.weights.tolist(),
         "discount": model.discount,
         "cost": [model.cost.kind, model.arrays.cost.weight.tolist(), model.posture_cost.tolist()],
+        "factors": factors,
     }

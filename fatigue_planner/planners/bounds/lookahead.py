@@ -72,7 +72,8 @@ def look_ahead(tasks: Sequence[Task], weights: Vector, n_cycles: int, memory: in
         cost = np.moveaxis(np.square(after) @ task.cost_weight, -1, 1) + task.posture_cost
         if task.expertise > DECISIVE and (np.sort(cost)[..., 1:2] - cost.min(axis=-1, keepdims=True) < TOO_CLOSE).any():
             break
-        joint = probability[:, :, None, None] * task.choice(cost)
+        factors = task.factors_after(classes) if levels else task.factors[:1]
+        joint = probability[:, :, None, None] * task.choice(cost, factors[:, None, None])
         kept = np.any(joint > 0, axis=1)
         if len(levels) >= memory and np.count_nonzero(kept) * len(tasks) > leaves:
             break

@@ -25,11 +25,15 @@ MIN_SPREAD = 1e-3
 
 @dataclass(frozen=True)
 class Transition:
-    """A class's states before and after a cycle, and the class (M, R) that each reaction leads to."""
+    """A class's states before and after a cycle, and the class (M, R) that each reaction leads to.
+
+    factors (M, K, U): what the factors of Eq. 4 may be.
+    """
 
     now: ClassStates
     then: ClassStates
     successors: NDArray[np.intp]
+    factors: Array
 
 
 def cost_to_go(task: Task, classes: HistoryClasses, begin: int, end: int) -> Quadratics:
@@ -38,11 +42,12 @@ def cost_to_go(task: Task, classes: HistoryClasses, begin: int, end: int) -> Qua
     blocks = [slice(first, first + BLOCK) for first in range(0, size, BLOCK)]
     later = zero(size, task.start.size)
     then = classes.states(end)
+    factors = task.factors_after(np.arange(size))[:, None] if classes.memory > 0 else task.factors[None]
     for time in range(end - 1, begin - 1, -1):
         now = classes.states(time)
         later = joined(
             [
-                below_all(behaviours(task, Transition(now[b], then, classes.successors[b]), later), now[b])
+                below_all(behaviours(task, Transition(now[b], then, classes.successors[b], factors[b]), later), now[b])
                 for b in blocks
             ]
         )
@@ -55,7 +60,7 @@ def behaviours(task: Task, transition: Transition, later: Quadratics) -> Quadrat
     actions, reactions, _ = task.gain.shape
     size = len(transition.successors)
     each = after_reactions(task, transition, later).reshape(size, actions, 1, reactions)
-    return each.mean(reaction_extremes(task, transition.now)).reshape(size, -1)
+    return each.mean(reaction_extremes(task, transition.now, transition.factors)).reshape(size, -1)
 
 
 def after_reactions(task: Task, transition: Transition, later: Quadratics) -> Quadratics:
@@ -165,8 +170,8 @@ def fill_below(  # noqa: PLR0912 - loops over entries, which become vector code
                         best_variance[j] = moved_variance[j]
 
 
-def reaction_extremes(task: Task, states: ClassStates) -> Array:
-    """Distributions (M or 1, A, E, U) whose convex hull holds P(. | f, a) for every state f of the class.
+def reaction_extremes(task: Task, states: ClassStates, factors: Array) -> Array:
+    """Distributions (M, A, E, U) whose convex hull holds P(. | f, a) for every state f of the class.
 
     The distributions with low_u <= P(u) <= high_u (`probability_ranges`) form a polytope. Its vertices
     are found by raising the probabilities from `low`, in each order of the reactions, as far as `high`
@@ -174,8 +179,9 @@ def reaction_extremes(task: Task, states: ClassStates) -> Array:
     """
     actions, reactions, _ = task.gain.shape
     if task.expertise == 0:
-        return np.full((1, actions, 1, reactions), 1 / reactions)
-    low, high = probability_ranges(task, states)
+        chances = factors / factors.sum(axis=-1, keepdims=True)
+        return np.broadcast_to(chances[:, None], (len(factors), actions, factors.shape[1], reactions))
+    low, high = probability_ranges(task, states, factors)
     vertices = []
     for order in permutations(range(reactions)):
         vertex = low.copy()
@@ -185,11 +191,11 @@ def reaction_extremes(task: Task, states: ClassStates) -> Array:
     return np.stack(vertices, axis=-2)
 
 
-def probability_ranges(task: Task, states: ClassStates) -> tuple[Array, Array]:
+def probability_ranges(task: Task, states: ClassStates, factors: Array) -> tuple[Array, Array]:
     """Least and greatest P(u | f, a), both (M, A, U), over the states f of every class; expertise > 0.
 
-    Eq. 4 is P(u) = 1 / (1 + sum over the others v of exp(-beta (c_v - c_u))), and the minimum of
-    c_v - c_u over the box has a closed form.
+    With factors b, any of (M, K, U), P(u) = 1 / (1 + sum over the others v of b_v / b_u exp(-beta (c_v - c_u))), and
+    the minimum of c_v - c_u over the box has a closed form.
     """
     after = task.gain * states.typical[:, None, None] + task.offset
     cost = Quadratics(
@@ -201,10 +207,13 @@ def probability_ranges(task: Task, states: ClassStates) -> tuple[Array, Array]:
     box = states.low[:, None, None], states.high[:, None, None]
     low, high = np.empty_like(cost.value), np.empty_like(cost.value)
     for u in reactions:
-        own, others = cost[:, :, [u]], cost[:, :, [v for v in reactions if v != u]]
+        rest = [v for v in reactions if v != u]
+        own, others = cost[:, :, [u]], cost[:, :, rest]
+        ratio = factors[..., rest] / factors[..., [u]]
+        largest, smallest = ratio.max(axis=1)[:, None], ratio.min(axis=1)[:, None]
         least = (others - own).minimum(*box) - COST_ROUNDING
         most = COST_ROUNDING - (own - others).minimum(*box)
         with np.errstate(over="ignore"):
-            low[..., u] = 1 / (1 + np.exp(-task.expertise * least).sum(axis=-1))
-            high[..., u] = 1 / (1 + np.exp(-task.expertise * most).sum(axis=-1))
+            low[..., u] = 1 / (1 + (largest * np.exp(-task.expertise * least)).sum(axis=-1))
+            high[..., u] = 1 / (1 + (smallest * np.exp(-task.expertise * most)).sum(axis=-1))
     return low, high

@@ -15,7 +15,8 @@ class Task:
     """One known initial state and what every reaction does to it.
 
     gain, offset (A, U, L); start (L,); cost_weight (L,), posture_cost (A, U): C(f) = sum of cost_weight * f^2 +
-    posture_cost after a reaction; expertise: beta of Eq. 4, 0 to infinity, with the costs C.
+    posture_cost after a reaction; expertise: beta of Eq. 4, 0 to infinity, with the costs C; factors (1 or 1 + U, U):
+    of the Boltzmann factors, see `FatigueArrays`.
     """
 
     gain: Array
@@ -25,6 +26,7 @@ class Task:
     posture_cost: Array
     expertise: float
     discount: float
+    factors: Array
 
     @property
     def branches(self) -> int:
@@ -35,11 +37,15 @@ class Task:
         """Gain and offset (A * U, L) of the reactions; row a * U + u."""
         return self.gain.reshape(self.branches, -1), self.offset.reshape(self.branches, -1)
 
-    def choice(self, costs: Array) -> Array:
-        """Eq. 4 over the last axis of costs (..., U): P(u) = exp(-beta c_u) / sum of exp(-beta c_u')."""
+    def choice(self, costs: Array, factors: Array) -> Array:
+        """Eq. 4 over the last axis of costs (..., U): P(u) = exp(-beta c_u) / sum of exp(-beta c_u'), with factors."""
         excess = costs - costs.min(axis=-1, keepdims=True)
-        relative = np.exp(-np.multiply(self.expertise, excess, where=excess > 0, out=np.zeros_like(excess)))
+        relative = np.exp(-np.multiply(self.expertise, excess, where=excess > 0, out=np.zeros_like(excess))) * factors
         return np.asarray(relative / relative.sum(axis=-1, keepdims=True))
+
+    def factors_after(self, classes: NDArray[np.intp]) -> Array:
+        """The factors (N, U) after histories of some classes (N,), whose last reaction is the last digit."""
+        return self.factors[1 + classes % self.factors.shape[1] if len(self.factors) > 1 else np.zeros_like(classes)]
 
 
 def hidden_state(task: Task, entry_weight: Vector, entries: int, states: Array, weights: Vector) -> Task:

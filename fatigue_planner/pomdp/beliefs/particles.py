@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from fatigue_planner.core.jit import specialised
 from fatigue_planner.pomdp.beliefs.belief import Array, Belief
 from fatigue_planner.pomdp.beliefs.history import MIN_PROBABILITY, History
+from fatigue_planner.pomdp.fatigue_pomdp import recognition_of
 from fatigue_planner.pomdp.problem import (
     Observation,
     Pomdp,
@@ -117,7 +118,7 @@ class ParticleBelief(Belief):
         surprised = not (trust_outcome and trust_observation)
         history = self.history
         if history is not None:
-            likelihood = self._likelihood(evidence) if trust_observation else np.ones(n_outcomes)
+            likelihood = self._likelihood(action, evidence) if trust_observation else np.ones(n_outcomes)
             history = history.then(action, outcomes, likelihood, log_outcome, pace)
         belief = replace(
             self,
@@ -131,10 +132,11 @@ class ParticleBelief(Belief):
             return belief.resampled(rng)
         return belief
 
-    def _likelihood(self, evidence: Any) -> Vector:
+    def _likelihood(self, action: int, evidence: Any) -> Vector:
         """The likelihood of every outcome (U,) in the fatigue problem, the only one of which a history is recorded."""
         observed = isinstance(evidence, int | np.integer)
-        return np.asarray(self.model.arrays.observation[:, evidence] if observed else evidence)
+        arrays = self.model.arrays
+        return np.asarray(arrays.observation[recognition_of(arrays, action), :, evidence] if observed else evidence)
 
     def among(self, chosen: NDArray[np.bool_]) -> Self:
         """See Belief.among."""

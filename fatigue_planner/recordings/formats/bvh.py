@@ -73,7 +73,7 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
                 refuse(index, "has more joints than any body.")
             name = f"{joints[parent].name}_end" if word == "END" else " ".join(words[1:])
             joints.append(_Joint(name, parent, np.zeros(3), ()))
-        elif word == "{":
+        elif word == "{" and joints and len(joints) - 1 not in open_joints:
             open_joints.append(len(joints) - 1)
         elif word == "}" and open_joints:
             open_joints.pop()

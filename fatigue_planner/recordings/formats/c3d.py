@@ -44,7 +44,14 @@ def read_c3d(content: bytes, reader: Reader | None = None) -> Content:
     points = _points(about, position, remarks)
     types = about["plate_types"] if len(about["plate_types"]) == len(about["plates"]) else [None] * len(about["plates"])
     plates = tuple(
-        Plate(force, moment, np.tile(corners.mean(axis=0), (len(force), 1)), told["moment_unit"][1:], corners, kind)
+        Plate(
+            force,
+            moment,
+            np.tile(corners.mean(axis=0), (len(force), 1)),
+            told["moment_unit"][1:] or None,
+            corners,
+            kind,
+        )
         for told, kind, force, moment, corners in zip(
             about["plates"], types, of_plates[::3], of_plates[1::3], of_plates[2::3], strict=True
         )

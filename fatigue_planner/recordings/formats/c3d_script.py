@@ -111,14 +111,17 @@ def _all_of(reader: c3d.Reader) -> tuple[dict[str, Any], list[Array]]:
 
 
 def _about(values: Any, header_rate: float) -> dict[str, Any]:
+    def texts(key: str) -> list[str]:
+        return [str(text).strip().encode("utf-8", "backslashreplace").decode() for text in values(key)]
+
     names = ["LABELS", *(f"LABELS{number}" for number in range(2, MAX_LABEL_LISTS))]
     rate = values("RATE")
     return {
-        "labels": [str(label).strip() for name in names for label in values(name)],
-        "unit": next((str(unit).strip() for unit in values("UNITS")), ""),
+        "labels": [label for name in names for label in texts(name)],
+        "unit": next(iter(texts("UNITS")), ""),
         "rate": float(rate[0]) if rate else header_rate,
-        "up": next((str(axis).strip() for axis in values("Y_SCREEN")), ""),
-        "no_points": {group: [str(label).strip() for label in values(group)] for group in NO_POINTS},
+        "up": next(iter(texts("Y_SCREEN")), ""),
+        "no_points": {group: texts(group) for group in NO_POINTS},
     }
 
 

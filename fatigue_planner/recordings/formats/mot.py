@@ -81,6 +81,6 @@ def _plates(column: dict[str, NDArray[np.float64]]) -> tuple[tuple[Plate, ...], 
         force, point = (np.column_stack([column[name] for name in wanted[i : i + 3]]) for i in (0, 3))
         moment = np.column_stack([column[name] for name in wanted[6:]]) if kind else np.zeros_like(force)
         idle = np.asarray(~force.any(axis=1))  # where nothing presses, the point is nowhere
-        plates.append(Plate(force, moment, np.where(idle[:, None], 0.0, point), moment_unit="m"))
+        plates.append(Plate(force, moment, np.where(idle[:, None], 0.0, point), unit="m"))
         used.update(wanted)
     return tuple(plates), used

@@ -45,6 +45,8 @@ def long_axis(position: Vector, standing: Vector) -> tuple[Vector, float] | None
     height -= weight * (height.sum(axis=1) / weight.sum(axis=1))[:, None]
     along = np.einsum("fk,fkc->fc", height, shown) / (height**2).sum(axis=1)[:, None]
     total = along.sum(axis=0)
+    if not total.any():  # all points in one place
+        return None
     return total / np.linalg.norm(total), float(np.percentile(np.linalg.norm(along, axis=1), 90))
 
 

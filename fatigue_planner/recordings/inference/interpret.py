@@ -13,16 +13,12 @@ from fatigue_planner.recordings.inference.gaps import gap_remarks, jump_remarks,
 from fatigue_planner.recordings.inference.labels import named_points
 from fatigue_planner.recordings.inference.plates import body_mass, ground_forces
 from fatigue_planner.recordings.inference.rate import frame_rate
+from fatigue_planner.recordings.inference.units import unit_of_length
 from fatigue_planner.recordings.mapping import Mapping, Place, choose_mapping, landmark_table, load_mapping
 from fatigue_planner.recordings.recording import GroundForce, Recording
 
 Vector = NDArray[np.float64]
 
-METRES = {
-    "mm": 1e-3, "millimeter": 1e-3, "millimeters": 1e-3, "millimetre": 1e-3, "millimetres": 1e-3,
-    "cm": 1e-2, "centimeter": 1e-2, "centimeters": 1e-2, "centimetre": 1e-2, "centimetres": 1e-2,
-    "m": 1.0, "mete": 1.0, "meter": 1.0, "meters": 1.0, "metre": 1.0, "metres": 1.0,
-}  # fmt: skip
 MAX_NEAREST = 10
 # The first frame of an animation is a T-pose if the body is this much farther from it than in any other step.
 CALIBRATION_JUMP = 10.0
@@ -59,9 +55,14 @@ def interpret(content: Content, given: Given) -> Interpreted:
         mapping_name, found, told = _mapped(points, given.mapping)
         findings, remarks = findings + found, remarks + told
         places = _places(points, mapping_name)
-    metres, found = _unit(content, points, places, given.units)
-    up, more = _up(content, points, places, given.up)
-    findings += found + more
+    axis = _long_axis(points, places)
+    metres = 1.0  # of OpenSim's own tables
+    if points is not None or given.units is not None:
+        stature = None if axis is None else axis[1] * landmark_table().stature_m
+        metres, finding = unit_of_length(content.unit, given.units, stature)
+        findings.append(finding)
+    up, found = _up(content, axis, given.up)
+    findings += found
     turn = axes.upright(up)
     if points is not None:
         points = Points(points.labels, points.position * metres @ turn.T)
@@ -144,44 +145,8 @@ def _places(points: Points, mapping: str | None) -> dict[int, Place]:
     return {index: place for index, label in enumerate(points.labels) if (place := known.place(label))}
 
 
-def _unit(
-    content: Content, points: Points | None, places: dict[int, Place], given: str | None
-) -> tuple[float, list[Finding]]:
-    """Metres of the unit of length. Raises RecordingError if it is unknown, or the body would be none."""
-    axis = _long_axis(points, places)
-    stature = None if axis is None else axis[1] * landmark_table().stature_m
-    said = given or content.unit
-    if said is not None:
-        if said.strip().lower() not in METRES:
-            raise RecordingError(f"unit {shortened(said)} is unknown; say it with --units: mm, cm or m.")
-        metres = METRES[said.strip().lower()]
-        source = "given" if given else "the file"
-        if stature is not None and not axes.STATURE_M[0] <= stature * metres <= axes.STATURE_M[1]:
-            raise RecordingError(
-                f"in {said} ({source}) the body would be {stature * metres:.3g} m tall. Say the unit with --units."
-            )
-        tall = "" if stature is None else f"; the body is about {stature * metres:.2f} m tall"
-        return metres, [Finding("unit", said, source + tall)]
-    if points is None and not (content.angles and content.angles.lengths):
-        return 1.0, []
-    if points is None:  # OpenSim's own files
-        return 1.0, [Finding("unit", "m", "OpenSim's convention")]
-    low, high = axes.STATURE_M
-    fits = [unit for unit in ("mm", "cm", "m") if stature is not None and low <= stature * METRES[unit] <= high]
-    if not fits:
-        raise RecordingError(
-            "says no unit of length, and no body that would show it. Say it with --units: mm, cm or m."
-        )
-    return METRES[fits[0]], [
-        Finding("unit", fits[0], f"the body is about {(stature or 0) * METRES[fits[0]]:.2f} m tall")
-    ]
-
-
-def _up(
-    content: Content, points: Points | None, places: dict[int, Place], given: str | None
-) -> tuple[str, list[Finding]]:
+def _up(content: Content, axis: tuple[Vector, float] | None, given: str | None) -> tuple[str, list[Finding]]:
     """The axis that is up. Raises RecordingError if it is unknown, or the body is upside down."""
-    axis = _long_axis(points, places)
     shown = None if axis is None else axes.axis_name(axis[0])
     said = given or content.up
     if said is not None:
@@ -199,7 +164,7 @@ def _up(
     push = np.sum([np.nansum(plate.force_n, axis=0) for plate in content.plates], axis=0)
     if content.plates and (shown := axes.axis_name(push)):
         return f"+{shown[1]}", [Finding("up", f"+{shown[1]}", "the plates")]
-    if points is None and content.segments is None:
+    if content.points is None and content.segments is None:
         return "+z", []  # nothing to turn
     raise RecordingError("does not say which axis is up, and no body shows it. Say it with --up, such as +y.")
 

@@ -9,6 +9,7 @@ from fatigue_planner.core.text import counted
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.recordings.content import Plate, Remark
 from fatigue_planner.recordings.inference.finding import Finding
+from fatigue_planner.recordings.inference.units import METRES
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
@@ -31,13 +32,16 @@ def ground_forces(
 
     rotation (3, 3): from the file's axes; metres: of the file's unit of length.
     """
+    scale = [METRES.get((plate.unit or "").lower(), metres) for plate in plates]
     force = [plate.force_n @ rotation.T for plate in plates]
     moment = [
-        (plate.moment * (1.0 if plate.moment_unit == "m" else metres) + np.cross(plate.origin * metres, plate.force_n))
-        @ rotation.T
-        for plate in plates
+        (plate.moment + np.cross(plate.origin, plate.force_n)) * own @ rotation.T
+        for plate, own in zip(plates, scale, strict=True)
     ]
-    corners = [None if plate.corners is None else plate.corners * metres @ rotation.T for plate in plates]
+    corners = [
+        None if plate.corners is None else plate.corners * own @ rotation.T
+        for plate, own in zip(plates, scale, strict=True)
+    ]
     kinds = [plate.kind for plate in plates if plate.kind is not None]
     findings = [Finding("plates", str(len(plates)), f"types {sorted(kinds)}" if kinds else "columns of forces")]
     remarks = []

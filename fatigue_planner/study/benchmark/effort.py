@@ -48,7 +48,7 @@ class Effort:
         self.costs = 0 if self.even else self.outcomes  # maps of a choice
         # How probable the likeliest observation may be: whoever minds costs may be sure of his choice.
         seen = model.arrays.observation
-        self.likeliest = float((seen.mean(axis=0) if self.even else seen).max())
+        self.likeliest = float((seen.mean(axis=1) if self.even else seen).max())
         self.recalls = keeps_rewards(model) and len(belief.weights) == 1
 
     def maps(self, count: float) -> float:

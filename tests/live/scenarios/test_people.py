@@ -18,7 +18,7 @@ SESSION = "fatigue_planner.live.session:Session"
 GREEDY = {"kind": "periodic", "sequence": ("low", "high")}
 
 
-@fails_with("fatigue_planner.live.shift:Shift._change", "self._others.pop(event.worker)", "self._others[self.worker]")
+@fails_with("fatigue_planner.live.shift:Shift._change", "belief.rest(event.away_s)", "belief.rest(0)")
 def test_10_workers_take_turns(world: World) -> None:
     """Each has the belief of a shift alone in which the other's turn was a pause; a newcomer has the prior's."""
     turns = [("w-a", ["arm", "back"]), ("w-b", ["back"]), ("w-a", ["back", "arm"]), ("w-b", ["arm", "arm"])]

@@ -197,6 +197,8 @@ def sight_of(end: object) -> str:
         return "skipped"
     if end.off:
         return "off"
+    if end.is_unclear:
+        return "unclear"
     return "nothing" if end.is_blind else "likelihood" if end.likelihood is not None else "recognised"
 
 

@@ -54,6 +54,7 @@ def sight_section(cycles: pd.DataFrame) -> Section:
     words = {
         "recognised": "the reaction was recognised",
         "likelihood": "the recogniser said how likely each reaction was",
+        "unclear": "you were seen to do none of the reactions that the task knows",
         "nothing": "nothing was seen",
         "skipped": "you did nothing",
         "off": "the belief was off, and nothing was kept",
@@ -77,7 +78,7 @@ def sight_section(cycles: pd.DataFrame) -> Section:
     return Section(
         "What was seen",
         [
-            Table("Cycles by what was known of them.", ["", "cycles", "share"], rows, "cycles.csv"),
+            Table("Cycles by what was known of them.", ["what was known", "cycles", "share"], rows, "cycles.csv"),
             *([Points(points)] if points else []),
         ],
     )

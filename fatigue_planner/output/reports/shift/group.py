@@ -15,13 +15,19 @@ import pandas as pd
 from fatigue_planner.core.text import fixed, format_label, listing, percent
 from fatigue_planner.live.hindsight import Hindsight
 from fatigue_planner.output.figures.style import FigureFolder
-from fatigue_planner.output.reports.page import Section, Table, Text
+from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.shift.data import ShiftData, sight_of, together
 from fatigue_planner.study.statistics.pairing import records
 
 FEWEST = 5
 MIN_MINUTES = 10.0
 MOST_ENTRIES = 12
+# The measures by name, with words and how a number is written.
+MEASURES = (
+    ("pause_min_per_hour", "Pauses, in minutes per hour", fixed),
+    ("dose_s_per_hour", "Load dose, in s per hour of work", fixed),
+    ("mean_fatigue", "Fatigue", lambda value: percent(value, 0)),
+)
 
 # By worker and hour: minutes worked of which something may be known, minutes of pauses.
 Times = dict[str, dict[int, tuple[float, float]]]
@@ -130,27 +136,27 @@ def _of(table: pd.DataFrame, window: Window) -> pd.DataFrame:
 def _loads(data: ShiftData, times: Times, found: Sequence[Window], figures: FigureFolder) -> Section:
     table = group_table(data, times, found)
     file = figures.add_table("group", table)
-    spans = [f"{data.hour_begins(one.first):%H:%M} to {data.hour_begins(one.last + 1):%H:%M}" for one in found]
-    rows = []
-    for measure, words, form in (
-        ("pause_min_per_hour", "pauses, minutes per hour", fixed),
-        ("dose_s_per_hour", "load dose, s per hour of work", fixed),
-        ("mean_fatigue", "mean fatigue", lambda value: percent(value, 0)),
-    ):
-        own = table[table["measure"] == measure].fillna({"entry": ""})
+    spans = [f"{data.hour_begins(one.first):%H:%M}–{data.hour_begins(one.last + 1):%H:%M}" for one in found]
+    who = "the simulated workers" if data.is_rehearsal else f"{FEWEST} or more workers, who all count the same"
+    blocks: list[Block] = [
+        Text(
+            "The model's fatigue is that of single muscles over minutes. A load dose adds up how hard a muscle group "
+            "had to work while that was hard enough to tire it. Hours in which too few worked are joined with others. "
+            "Nobody is compared with anybody."
+        )
+    ]
+    for measure, words, form in MEASURES:
+        own = table[table["measure"] == measure].fillna({"entry": "all"})
         order = own.groupby("entry", sort=False)["value"].max().sort_values(ascending=False, kind="stable")
         cells = {(row["entry"], row["from"]): row["value"] for row in records(own)}
-        for entry in order[order > 0].head(MOST_ENTRIES).index:
-            values = [cells.get((entry, f"{data.hour_begins(one.first):%H:%M}"), 0.0) for one in found]
-            rows.append([words, format_label(entry) or "–", *(form(value) for value in values)])
-    who = "the simulated workers" if data.is_rehearsal else f"{FEWEST} or more workers, who all count the same"
-    caption = f"Means over {who}, by local time."
-    words = (
-        "The model's fatigue is that of single muscles over minutes. A load dose adds up how hard a muscle group had "
-        "to work while that was hard enough to tire it. Hours in which too few worked are joined with others. Nobody "
-        "is compared with anybody."
-    )
-    return Section("The work of all", [Text(words), Table(caption, ["", "joint and direction", *spans], rows, file)])
+        rows = [
+            [format_label(entry), *(form(cells.get((entry, span[:5]), 0.0)) for span in spans)]
+            for entry in order[order > 0].head(MOST_ENTRIES).index
+        ]
+        if rows:
+            caption = f"{words}: means over {who}, by local time."
+            blocks.append(Table(caption, ["joint and direction", *spans], rows, file))
+    return Section("The work of all", blocks)
 
 
 def _worth(data: ShiftData, found: Sequence[Window]) -> list[Section]:

@@ -6,6 +6,7 @@ import pandas as pd
 
 from fatigue_planner.core.text import counted, fixed, format_label, listing, percent, percent_range
 from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.live.events import Alarmed
 from fatigue_planner.output.figures.style import FigureFolder
 from fatigue_planner.output.reports.page import Block, Section, Table, Text
 from fatigue_planner.output.reports.shift.courses import course_picture, most_tired
@@ -95,10 +96,11 @@ def pauses_section(data: ShiftData, worker: str, figures: FigureFolder) -> Secti
     mine = [one for one in data.pauses if one.worker == worker]
     hours = sorted({data.hour_of(one.ended_s) for one in data.worked if one.worker == worker})
     rested = {data.hour_of(one.ended_s) for one in mine}
+    wanted = suggested(data, worker, figures)
     without = [f"{data.hour_begins(hour):%H:%M}" for hour in hours if hour not in rested]
     words = f"Hours in which you worked without a pause began at {listing(without)}." if without else ""
     if not mine:
-        return Section("Pauses", [Text(f"None was taken. {words}".strip())])
+        return Section("Pauses", [Text(f"None was taken. {words}".strip()), *wanted])
     table = pd.DataFrame(
         [
             {"ended": stamp(data.record.local(one.ended_s)),
@@ -111,4 +113,29 @@ def pauses_section(data: ShiftData, worker: str, figures: FigureFolder) -> Secti
     caption = f"Pauses, by when each was over{of_all(rows)}. One between two cycles counts from 1 s on."
     blocks: list[Block] = [Text(words)] if words else []
     blocks.append(Table(caption, ["over at", "length", "how it is known"], rows[:MAX_ROWS], file))
-    return Section("Pauses", blocks)
+    return Section("Pauses", [*blocks, *wanted])
+
+
+def suggested(data: ShiftData, worker: str, figures: FigureFolder) -> list[Block]:
+    """The pauses that alarms asked for."""
+    alarms = [
+        (stamp(data.record.local(aside.at_s)), aside.event)
+        for part in data.parts
+        for aside in part.segment.asides
+        if isinstance(aside.event, Alarmed) and aside.worker == worker
+    ]
+    if not alarms:
+        return [Text("No alarm asked for a pause.")]
+    file = figures.add_table("alarms", pd.DataFrame([{"time": time} | alarm.plain() for time, alarm in alarms]))
+    rows = [
+        [
+            time[11:16], format_label(alarm.entry), percent(alarm.probability, 0),
+            "none is long enough" if alarm.pause_s is None else f"{alarm.pause_s / 60:.1f} min",
+        ]
+        for time, alarm in alarms
+    ]  # fmt: skip
+    caption = (
+        f"Pauses that alarms asked for{of_all(rows)}: how likely it was that the joint was above the limit that the "
+        "employer set, and the pause that was long enough with 90 % probability."
+    )
+    return [Table(caption, ["at", "joint and direction", "probability", "pause"], rows[:MAX_ROWS], file)]

@@ -52,7 +52,6 @@ def shift_report(data: ShiftData, worker: str | None, figures: FigureFolder, com
             }
             for part in data.parts
         ],
-        "clock_set": [{"at": stamp(data.record.local(one.at_s)), "by_s": one.by_s} for one in data.record.clock_sets],
         "statements": sentences,
         "files": [file.name for file in figures.files],
     }

@@ -5,9 +5,20 @@ from collections import Counter
 import numpy as np
 
 from fatigue_planner.core.text import counted, fixed, listing, percent
-from fatigue_planner.live.events import Contradicted, Decided, Executed, Observed, Resumed
+from fatigue_planner.live.events import ClockSet, Decided, Executed, Observed
 from fatigue_planner.output.reports.page import Block, Points, Section, Table, Text
 from fatigue_planner.output.reports.shift.data import ShiftData
+
+# What happened to the program, in words, by kinds of events.
+HAPPENED = {
+    "resumed": "The program was started again {}.",
+    "recovered": "The journal was damaged, and copied up to there, {}.",
+    "config": "Policy, deadline or limit were changed {}.",
+    "slept": "The machine slept {}.",
+    "search_failed": "The search that improves decisions gave no answer {}; the policy decided.",
+    "contradicted": "Something else was said of a cycle than before {}; the first stood.",
+    "silent": "The robot did not answer {}.",
+}
 
 
 def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Section:
@@ -33,7 +44,7 @@ def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Secti
                 f"{value:.2f}" for value in (*np.quantile(times_ms, [0.99, 0.999]), times_ms.max())) + " ms"],
         ]  # fmt: skip
         caption = "Answers to the robot. Where the belief about a worker was off, the schedule is no fallback."
-        blocks.append(Table(caption, ["", "share or time"], rows))
+        blocks.append(Table(caption, ["answers", "share or time"], rows))
         if reasons := _reasons(decided, off):
             blocks.append(Points([f"A fallback decided because: {listing(reasons)}."]))
     else:
@@ -61,26 +72,19 @@ def _reasons(decided: list[Decided], off: set[int]) -> list[str]:
 def _events(data: ShiftData) -> list[str]:
     """What happened, in sentences."""
     record = data.record
-    others = [event for part in data.parts for _, event in part.segment.others]
-    restarts = sum(isinstance(event, Resumed) for event in others)
-    contradictions = sum(isinstance(event, Contradicted) for event in others)
-    silent = sum(isinstance(event, Executed) and event.action is None for event in others)
-    found = [
-        f"The program was started again {counted(restarts, 'time')}."
-        if restarts
-        else "The program ran without a restart.",
-        *(
-            f"The clock was set {'forward' if one.by_s > 0 else 'back'} by {fixed(abs(one.by_s))} s at "
-            f"{record.local(one.at_s):%H:%M:%S}; durations did not change."
-            for one in record.clock_sets
-        ),
-    ]
-    if contradictions:
-        found.append(
-            f"{counted(contradictions, 'time')} something else was said of a cycle than before; the first stood."
-        )
-    if silent:
-        found.append(f"{counted(silent, 'time')} the robot did not answer.")
+    asides = [aside for part in data.parts for aside in part.segment.asides]
+    kinds: Counter[str] = Counter(aside.event.kind for aside in asides)
+    kinds["silent"] = sum(isinstance(aside.event, Executed) and aside.event.action is None for aside in asides)
+    found = [text.format(counted(kinds[kind], "time")) for kind, text in HAPPENED.items() if kinds[kind]]
+    for aside in asides:
+        if isinstance(aside.event, ClockSet):
+            by_s = aside.event.difference_s
+            found.append(
+                f"The clock was set {'forward' if by_s > 0 else 'back'} by {fixed(abs(by_s))} s at "
+                f"{record.local(aside.at_s):%H:%M:%S}; durations did not change."
+            )
+    if not kinds["resumed"]:
+        found.insert(0, "The program ran without a restart.")
     if len(data.parts) > 1:
         found.append(f"The shift has {len(data.parts)} parts, each begun anew with its own settings.")
     if not record.is_closed:

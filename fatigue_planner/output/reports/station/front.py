@@ -125,6 +125,8 @@ def _at_most(items: list[str], wording: Wording) -> list[str]:
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
     """The changes that help most, and what planning does."""
     yield from (f"{changed(each, wording)}." for each in assessment.changes[:MOST_CHANGES])
+    if not assessment.changes:
+        yield from map(wording.sentence, statements.of_changes((), assessment.best))
     yield from map(wording.sentence, planning(assessment))
 
 

@@ -1,0 +1,97 @@
+"""What a recogniser can do, as tables: confusion with intervals, pairs, and how soon reactions are known."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fatigue_planner.recordings.recognition.recogniser import HeldOut, Recogniser
+from fatigue_planner.recordings.recognition.repetitions import N_PARTS, PARTS, part_ends_s
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+KNOWN_FROM = 0.95  # the share that is right from which on a reaction is called known
+
+
+def confusion_table(recogniser: Recogniser) -> "pd.DataFrame":
+    """A row for every action, preference and what it is recognised as: count, probability, 95 % interval."""
+    import pandas as pd  # noqa: PLC0415 - takes half a second, which other commands do without
+
+    rows = []
+    for action, known in recogniser.actions.items():
+        confusion = known.confusion
+        probability, (lower, upper) = confusion.probability(), confusion.interval()
+        for one, preference in enumerate(confusion.preferences):
+            for other, recognised in enumerate(confusion.recognised):
+                at = one, other
+                rows.append(
+                    (action, preference, recognised, confusion.counts[at], probability[at], lower[at], upper[at])
+                )
+    columns = ["action", "preference", "recognised", "repetitions", "probability", "lower", "upper"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def pair_table(recogniser: Recogniser) -> "pd.DataFrame":
+    """A row for every action and pair: how far apart during work, how many are told apart, whether they are one."""
+    import pandas as pd  # noqa: PLC0415
+
+    rows = []
+    for action, known in recogniser.actions.items():
+        names, difference = known.model.preferences, known.model.difference_deg()
+        for one, name in enumerate(names):
+            for other in range(one + 1, len(names)):
+                merged = bool(known.groups[one] == known.groups[other])
+                rows.append((action, name, names[other], difference[one, other], known.apart[one, other], merged))
+    return pd.DataFrame(rows, columns=["action", "one", "other", "difference_deg", "told_apart", "merged"])
+
+
+def early_table(recogniser: Recogniser, held_out: Mapping[str, HeldOut]) -> "pd.DataFrame":
+    """A row for every action and part of the cycle: when it is over, and the share that is recognised by then."""
+    import pandas as pd  # noqa: PLC0415
+
+    ends = part_ends_s(recogniser.cycle)
+    phases = [phase for phase, parts in PARTS.items() for _ in range(parts)]
+    tables = []
+    for action, one in held_out.items():
+        share = one.right_share(recogniser.temperature, recogniser.actions[action].groups)
+        tables.append(
+            pd.DataFrame({"action": [action] * N_PARTS, "phase": phases, "time_s": ends, "recognised": share})
+        )
+    return pd.concat(tables, ignore_index=True)
+
+
+def known_from_s(recogniser: Recogniser, held_out: HeldOut, action: str) -> float | None:
+    """From when on in s since the cycle began `KNOWN_FROM` of the repetitions are recognised; None if never."""
+    share = held_out.right_share(recogniser.temperature, recogniser.actions[action].groups)
+    late = np.flatnonzero(share < KNOWN_FROM)
+    first = late[-1] + 1 if len(late) else 0
+    return None if first == N_PARTS else float(part_ends_s(recogniser.cycle)[first])
+
+
+def lines(recogniser: Recogniser, known_from: Mapping[str, float | None]) -> list[str]:
+    """The confusion matrices in words: a block for every action."""
+    found = []
+    for action, known in recogniser.actions.items():
+        confusion = known.confusion
+        probability, (lower, upper) = confusion.probability(), confusion.interval()
+        names = confusion.recognised
+        width = max(map(len, (*confusion.preferences, *names)))
+        columns = [max(len(name), 18) for name in names]
+        since = known_from[action]
+        when = "not even after the whole cycle" if since is None else f"after {since:.1f} s of the cycle"
+        found.append(f"{action}: 95 % are recognised {when}; what a reaction is recognised as, with 95 % intervals:")
+        found.append(
+            "  " + " " * width + "".join(f"  {name:>{size}}" for name, size in zip(names, columns, strict=True))
+        )
+        for row, preference in enumerate(confusion.preferences):
+            cells = zip(probability[row], lower[row], upper[row], columns, strict=True)
+            shown = "".join(f"  {f'{p:.2f} ({low:.2f}-{high:.2f})':>{size}}" for p, low, high, size in cells)
+            found.append(f"  {preference:<{width}}{shown}")
+    pairs = pair_table(recogniser)
+    for one in pairs[pairs["merged"]].itertuples():
+        found.append(
+            f"{one.action}: {one.one} and {one.other} are one reaction to the robot: {one.difference_deg:.1f}° apart "
+            f"during work, {one.told_apart:.0%} told apart."
+        )
+    return found
