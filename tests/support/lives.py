@@ -17,7 +17,8 @@ from shifts import World
 
 # A journal that has become long is slow to resume; so many lives go on with one.
 LIVES_PER_JOURNAL = 50
-LONGEST_S = 60.0
+# Of a life; the first waits until everything is compiled.
+LONGEST_S = 240.0
 PROGRAM = """
 import json, os, pickle, sys, traceback
 from pathlib import Path
