@@ -570,7 +570,7 @@ class Session:
         before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
         self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
-            self._left_s[self._shift.worker] = self._ended_s  # what has passed since then was rest
+            self._left_s[self._shift.worker] = min(self._ended_s, at_s)  # what has passed since then was rest
         self._shift.take(event, prepared.belief if prepared else None)
         if isinstance(event, Observed) and event.late:
             return
@@ -593,7 +593,8 @@ class Session:
             self._told = None
             # the robot need not speak of a cycle in which it did nothing
             self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
-        self._ended_s = min(self._ended_s + event.seconds, at_s) if isinstance(event, Rested) else at_s
+        # a pause may be said when it begins, too: then it ends later than now
+        self._ended_s = self._ended_s + event.seconds if isinstance(event, Rested) else at_s
 
     def _tell(self, event: Event) -> None:
         """Record an event that is no input, and stand where it leads."""

@@ -266,10 +266,15 @@ def test_time_that_passed_is_rest(scenario: fp.Scenario, path: Path, clock: Fake
         session.rest(2700)
         clock.pass_(CYCLE_S + 0.2)
         session.observe(3, observation="arm")
+        session.rest(300)  # said when it begins
+        clock.pass_(300 + CYCLE_S)
+        session.observe(4, observation="arm")
+        clock.pass_(60 + CYCLE_S)
+        session.observe(5, observation="arm")
     observed = [one.event for one in read_journal(path) if isinstance(one.event, Observed)]
-    assert [one.idle_s for one in observed] == [0, 1200, 0]
+    assert [one.idle_s for one in observed] == [0, 1200, 0, 0, 60]
     rested = [one.event.seconds for one in read_journal(path) if isinstance(one.event, Rested)]
-    assert rested == [2700]
+    assert rested == [2700, 300]
 
 
 def test_it_goes_on_where_it_stopped(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
