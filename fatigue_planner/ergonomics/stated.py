@@ -109,7 +109,9 @@ class OtherWork(Settings):
         le=1000,
         description="Its composite strain index at its hours, without unit: what the page of that station says.",
     )
-    hours: float = Field(gt=0, le=24, description="How long it is done in the shift, breaks excluded, in h.")
+    hours: float = Field(
+        gt=0, le=24, description="How long it is done in the shift in hours, breaks excluded, without unit."
+    )
 
 
 class Shift(Settings):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fatigue_planner.core.errors import DataFileError, listed, told_apart
+from fatigue_planner.core.errors import DataFileError, ExperimentError, listed, told_apart
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.experiment.target_checks import target_faults
 from fatigue_planner.fatigue.entries import fatigue_state
@@ -16,6 +16,7 @@ from fatigue_planner.human.model import Human, build_human
 from fatigue_planner.motion.action import Action
 from fatigue_planner.motion.body_state import BodyState
 from fatigue_planner.motion.payload import HandForce
+from fatigue_planner.robot.arm import arm_named
 
 # Every point of a grid may be out of every worker's reach.
 MAX_TARGET_FAULTS = 1000
@@ -33,6 +34,7 @@ def semantic_errors(experiment: Experiment) -> list[str]:
             _cost_faults(experiment),
             _phase_faults(experiment),
             _tool_faults(experiment),
+            _robot_faults(experiment),
             (
                 f"benchmark.policies.{name}.{fault}"
                 for name, policy in experiment.benchmark.policies.items()
@@ -59,6 +61,14 @@ def _worker_faults(experiment: Experiment, humans: dict[str, Human]) -> Iterator
             yield str(error)
     if humans:
         yield from _preference_faults(experiment, next(iter(humans.values())))
+
+
+def _robot_faults(experiment: Experiment) -> Iterator[str]:
+    if experiment.robot is not None:
+        try:
+            arm_named(experiment.robot.arm, experiment.robot.link_radius_m)
+        except ExperimentError as error:
+            yield str(error)
 
 
 def _preference_faults(experiment: Experiment, human: Human) -> Iterator[str]:

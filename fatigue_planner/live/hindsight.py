@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import FatplanError
+from fatigue_planner.core.jit import compiled
 from fatigue_planner.core.random_streams import Vector, random_stream
 from fatigue_planner.live.course import Stretch
 from fatigue_planner.live.events import Observed, Rested, Skipped, WorkerChanged
@@ -26,7 +27,7 @@ from fatigue_planner.live.shift import Shift
 from fatigue_planner.planners.schedules.policy import best_schedule_for
 from fatigue_planner.planners.schedules.search import LONGEST
 from fatigue_planner.pomdp.beliefs.belief import Array
-from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp
+from fatigue_planner.pomdp.fatigue_pomdp import FatigueArrays, FatiguePomdp, preference_probabilities, react
 from fatigue_planner.pomdp.scenario import Knowledge, Scenario
 from fatigue_planner.pomdp.timing import AS_PLANNED
 
@@ -154,35 +155,32 @@ class _Life:
 
     def _chances(self, action: int) -> Array:
         """Eq. 4: of each reaction, (S, U)."""
-        arrays, count = self.model.arrays, len(self.model.outcomes)
-        if arrays.even:
-            return np.full((SAMPLES, count), 1 / count)
-        costs = np.stack([self._after(arrays, action, np.full(SAMPLES, u))[1] for u in range(count)], axis=1)
-        above = costs - costs.min(axis=1, keepdims=True)
-        beta = arrays.expertise[self.states[:, -1].astype(np.intp), None]
-        with np.errstate(invalid="ignore"):  # infinity times 0
-            weights = np.where(np.isinf(beta), above == 0, np.exp(-np.where(np.isinf(beta), 0.0, beta) * above))
-        return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+        chances = np.empty((SAMPLES, len(self.model.outcomes)))
+        _choose(self.model.arrays, self.states, action, chances)
+        return chances
 
     def _move(self, event: Observed, action: int, reactions: Numbers, costs: Vector) -> None:
         """Take the states through the cycle as long as it lasted, and add what it costs."""
         pace = self.model.pace(event.duration_s) if event.duration_s is not None else AS_PLANNED
         if pace.share not in self.lived:
             self.lived[pace.share] = self.model.evidence_arrays(pace.share).lived
-        fatigue, cost = self._after(self.lived[pace.share], action, reactions)
-        costs += cost
-        self.states[:, :-1] = fatigue
+        _live(self.lived[pace.share], self.states, action, reactions, costs)
         if pace.rest_s > 0:
             self.rest(pace.rest_s)
 
-    def _after(self, arrays: FatigueArrays, action: int, reactions: Numbers) -> tuple[Array, Vector]:
-        """Fatigue (S, W) after a cycle, and its cost (S,)."""
-        worker = self.states[:, -1].astype(np.intp)
-        rows = (worker * arrays.n_actions + action) * arrays.observation.shape[0] + reactions
-        fatigue = arrays.gain[rows] * self.states[:, :-1] + arrays.offset[rows]
-        cost = arrays.cost
-        weighted = (cost.weight * fatigue).max(axis=1) if cost.worst else cost.scale * (fatigue**2 @ cost.weight)
-        return fatigue, np.asarray(weighted + cost.posture[rows])
+
+@compiled
+def _choose(arrays: FatigueArrays, states: Array, action: int, chances: Array) -> None:
+    """Write the chances (S, U) of the reactions to an action in states (S, L)."""
+    for i in range(states.shape[0]):
+        preference_probabilities(arrays, states[i], action, chances[i])
+
+
+@compiled
+def _live(arrays: FatigueArrays, states: Array, action: int, reactions: Numbers, costs: Vector) -> None:
+    """Take states (S, L) through a cycle with reactions (S,), and add what it costs."""
+    for i in range(states.shape[0]):
+        costs[i] -= react(arrays, states[i], action, reactions[i])
 
 
 def _drawn(chances: Array, uniforms: Vector) -> Numbers:

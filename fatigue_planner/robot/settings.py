@@ -62,7 +62,7 @@ class Direction(Settings):
     @model_validator(mode="after")
     def _check_length(self) -> Self:
         if not (self.x or self.y or self.z):
-            raise ValueError("direction: x, y and z are all 0; give one of them, such as {x: -1}")
+            raise ValueError("x, y and z are all 0; give one of them, such as {x: -1}")
         return self
 
 

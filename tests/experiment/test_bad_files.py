@@ -44,6 +44,10 @@ recognition:
   back: {arm: 0.2, back: 0.7, unclear: 0.1}
 recognition_by_action:
   low: {arm: {arm: 0.8, back: 0.2}, back: {back: 1}}
+robot:
+  arm: ur5e
+  base_m: {x: 1.1, z: 0.5}
+  hold: {direction: {x: -1}, mass_kg: 2}
 choice_models:
   habit: {kind: inertia, inertia: 1.5, offsets: {arm: -0.5}}
   liked: {kind: offset, offsets: {back: 1}}

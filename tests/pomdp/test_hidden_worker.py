@@ -390,7 +390,7 @@ def write(path: Path, old: str = "", new: str = "") -> Path:
 
 def test_hidden_workers_in_a_file(tmp_path: Path) -> None:
     experiment = load_experiment(write(tmp_path / "mine.yaml"))
-    names, matrix = experiment.recognised()
+    names, (matrix,) = experiment.recognised(["high", "low"])
     assert names == ("arm", "back", "unclear")
     np.testing.assert_array_equal(matrix, [[0.9, 0.1, 0], [0.2, 0.7, 0.1]])
     assert experiment.benchmark.conditions["single_novice"].hidden_worker == "someone"

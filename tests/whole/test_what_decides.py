@@ -317,7 +317,7 @@ def test_what_finds_who_of_a_population_reaches_a_place_is_in_its_key() -> None:
     """But for what an experiment's file may say of planning, of which a station says nothing."""
     reached, _ = in_reach("station.population_reach")
     without = reached - set(digests_of_package(*kept_shares.SOURCES))
-    assert {file.partition("/")[0] for file in without} == {"planners", "pomdp"}
+    assert {file.partition("/")[0] for file in without} == {"planners", "pomdp", "robot"}
 
 
 def test_a_room_says_what_it_is_and_no_more() -> None:

@@ -33,7 +33,7 @@ def scenarios() -> dict[int, Callable[[World], None]]:
 
 SCENARIOS = scenarios()
 # By number, a scenario whose test needs an extra.
-ELSEWHERE = {28: ("test_ur.py", "test_only_an_echo_is_delivery")}
+ELSEWHERE = {28: ("test_ur.py", "test_scenario_28_only_an_echo_is_delivery")}
 
 
 def test_every_scenario_has_a_test_and_a_fault() -> None:
