@@ -61,6 +61,7 @@ def test_what_is_out_of_reach_is_kept_and_left_out_of_what_follows(tmp_path: Pat
     assert "--reaction average_man/high/arm cannot be shown, because it cannot be performed: no admissible" in message
 
 
+@pytest.mark.slow
 def test_human_report_writes_the_page_or_says_what_to_run_first(cache_folder: Path, tmp_path: Path) -> None:
     page = tmp_path / "human.md"
     done = fatplan("human", "report", PAPER, "--cache", cache_folder, "--output", page)

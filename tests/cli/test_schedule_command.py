@@ -66,6 +66,7 @@ def test_the_numbers_are_those_of_the_same_runs_made_otherwise(
         assert peaks["schedule"] < peaks["best_fixed"]
 
 
+@pytest.mark.slow
 def test_the_card_has_a_step_for_every_cycle_and_is_the_same_again(cache_folder: Path, tmp_path: Path) -> None:
     where = ("--cache", cache_folder, "--results", tmp_path)
     said = fatplan("schedule", PAPER, *where, *OPTIONS)

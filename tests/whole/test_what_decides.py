@@ -41,7 +41,9 @@ from fatigue_planner.study.benchmark.runner import run_grid
 from fatigue_planner.study.benchmark.selection import cells, references
 
 SECTIONS = list(Experiment.model_fields)
-LONG = ("benchmark", "preferences", "actions", "fatigue", "controller", "workers")  # with many settings
+LONG = (  # with many settings, or with settings that are long to try
+    "benchmark", "preferences", "actions", "fatigue", "controller", "workers", "cost", "hidden_workers", "robot",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -423,6 +425,7 @@ def test_a_setting_of_the_motion_changes_a_motion_indeed(section: str) -> None:
     assert tried or section not in ("workers", "tool", "cycle", "actions", "preferences", "controller")
 
 
+@pytest.mark.slow
 def test_what_decides_nothing_changes_nothing(moved: tuple[Reaction, ...], tmp_path: Path) -> None:
     """The same runs, in the same files, to the byte but for times, whatever is said of names, statistics, accuracy."""
     content = copy.deepcopy(EXPERIMENT)
