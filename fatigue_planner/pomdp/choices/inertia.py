@@ -1,7 +1,7 @@
 """The choice model `inertia`: who has chosen a preference is likely to choose it again.
 
 Of 39 people who lifted a hundred times each, 4 changed between semi-squat and stoop (Burgess-Limerick & Abernethy 1997,
-"Qualitatively different modes of manual lifting", Int J Ind Ergon 19:413).
+"Qualitatively different modes of manual lifting", Int J Ind Ergon 19:413; its abstract was read).
 """
 
 from collections.abc import Mapping, Sequence
