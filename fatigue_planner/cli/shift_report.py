@@ -1,5 +1,6 @@
 """`fatplan live report` and `card`: what is read about a shift when it is over, and before it is introduced."""
 
+import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -75,13 +76,26 @@ def write_report(
     data = ShiftData.of(journal.name, record, task)
     output = output or journal.with_name(f"{journal.stem}-report" + ("" if worker is None else "-own"))
     talk().print("Replaying the journal ...")
+    is_new = not output.exists()
     figures = FigureFolder(writable_folder(output))
-    output.chmod(0o700)
+    if is_new:
+        output.chmod(0o700)
+    _remove_report(output / DATA_FILE)
     document = shift_report(data, whose, figures, _again(journal, worker))
     publish_text(output / DATA_FILE, options.json_text(document) + "\n")
     for file in (*figures.files, output / DATA_FILE):
         file.chmod(0o600)
     return output, document
+
+
+def _remove_report(data_file: Path) -> None:
+    """Remove a report that was written before: it may be another worker's."""
+    try:
+        names = json.loads(data_file.read_text(encoding="utf-8"))["files"]
+    except (OSError, ValueError, LookupError, TypeError):
+        return
+    for name in [*names, data_file.name]:
+        data_file.with_name(Path(str(name)).name).unlink(missing_ok=True)
 
 
 def _named(journal: Path, experiment: str) -> Path | None:

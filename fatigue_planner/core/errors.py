@@ -169,7 +169,7 @@ class DamagedJournalError(FatplanError):
 
 
 class RecordingError(FatplanError):
-    """A file is no recording that can be used, or contradicts itself."""
+    """A file is not a usable recording, or contradicts itself."""
 
 
 class RecognitionError(FatplanError):

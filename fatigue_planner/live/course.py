@@ -9,6 +9,7 @@ from fatigue_planner.core.random_streams import Vector
 from fatigue_planner.live.doses import LivedCycle, reaction_chances
 from fatigue_planner.live.events import Advice, Observed, Rested, Skipped, WorkerChanged
 from fatigue_planner.live.record import Segment, Step
+from fatigue_planner.live.rules import from_json
 from fatigue_planner.live.shift import Shift
 from fatigue_planner.live.state import LOWER, UPPER
 from fatigue_planner.planners.registry import policy
@@ -61,7 +62,8 @@ class Replayed:
 
 def replayed(segment: Segment, scenario: Scenario) -> Replayed:
     """The beliefs of a segment, whose scenario must be the one given; what was told late counts from its place on."""
-    shift = Shift(scenario, policy(segment.opened.policy), segment.opened.session)
+    opened = segment.opened
+    shift = Shift(scenario, policy(from_json(opened.policy)), opened.session, opened.off)
     believed: list[Believed] = []
     going: dict[str, Stretch] = {}
     ended: list[Stretch] = []

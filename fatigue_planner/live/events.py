@@ -65,6 +65,7 @@ class Opened(Settings):
     sources: dict[str, str] = Field(default_factory=dict)  # digests of the program's sources; none in older journals
     search: dict[str, Any] | None = None  # that improves decisions
     accepted: tuple[str, ...] = ()  # what has changed since the segment before, as somebody has confirmed
+    off: tuple[str, ...] = ()  # workers who wanted no belief about them in the segments before
     experiment: str = ""
     cache: str = ""
 

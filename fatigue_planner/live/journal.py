@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 from fatigue_planner.core.errors import OutputFolderError
+from fatigue_planner.core.text import counted
 from fatigue_planner.live.events import Event
 from fatigue_planner.live.journal_file import Stored, body_of, create, lock, pseudonyms, read_journal
 
@@ -60,7 +61,7 @@ class Journal:
         OtherVersionError, OutputFolderError if it cannot be written.
         """
         self.path = path
-        self.fault = ""
+        self.fault, self.is_closed = "", False
         self._held = ExitStack()
         if not path.parent.is_dir():
             raise OutputFolderError(f"{path.parent}: there is no such folder.")
@@ -88,10 +89,11 @@ class Journal:
     def append(self, event: Event, seconds: float, utc: datetime | str) -> int:
         """Hand an event over and return its number at once; it is durable when `durable_up_to` has reached that.
 
-        Its text is made in the journal's thread: no answer waits for that.
+        Its text is made in the journal's thread: no answer waits for that. After a fault it is only counted.
         """
         self._next += 1
-        self._queue.put(Queued(self._next, (event, seconds, utc)))
+        if not self.fault:
+            self._queue.put(Queued(self._next, (event, seconds, utc)))
         return self._next
 
     def join(self, random: str, pseudonym: str) -> None:
@@ -108,12 +110,13 @@ class Journal:
 
     def close(self) -> None:
         """Write what was handed over and end the process that writes. Raises OutputFolderError if not all could be."""
+        self.is_closed = True
         self._queue.put(Queued(self._next))
         self._thread.join(CLOSE_WAIT_S)
         self._held.close()
         if self.fault or self.durable_up_to < self._next:
             raise OutputFolderError(
-                f"{self.path}: {self._next - self.durable_up_to} events could not be recorded "
+                f"{self.path}: {counted(self._next - self.durable_up_to, 'event')} could not be recorded "
                 f"({self.fault or 'the disk does not answer'}). Intact are those up to number {self.durable_up_to}."
             )
 

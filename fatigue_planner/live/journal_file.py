@@ -11,7 +11,7 @@ import re
 import sqlite3
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -120,7 +120,9 @@ def recover(path: Path, into: Path, from_cycle: int | None = None) -> list[Store
         raise CycleError(f"cycle {cycle}: cannot be gone on with; the journal is intact up to cycle {last}.")
     if cycle <= last:
         events = events[: _before_the_end_of(events, cycle)]
-    workers = pseudonyms(path) if events else {}
+    workers: dict[str, str] = {}
+    with suppress(DamagedJournalError):
+        workers = pseudonyms(path) if events else {}
 
     def write(temporary: Path) -> None:
         create(temporary)
@@ -163,9 +165,18 @@ def last_seconds(path: Path) -> float:
 
 
 def pseudonyms(path: Path) -> dict[str, str]:
-    """By random number, the pseudonyms of the workers that have not been erased."""
-    with closing(sqlite3.connect(path)) as connection:
-        return dict(connection.execute("SELECT random, pseudonym FROM worker").fetchall())
+    """By random number, the pseudonyms of the workers that have not been erased.
+
+    Raises DamagedJournalError if their table cannot be read.
+    """
+    try:
+        with closing(sqlite3.connect(path)) as connection:
+            return dict(connection.execute("SELECT random, pseudonym FROM worker").fetchall())
+    except sqlite3.Error as error:
+        raise DamagedJournalError(
+            f"{path}: the table of pseudonyms is damaged ({error}). `fatplan live recover` makes a journal of its "
+            "events, in which the workers have random numbers only."
+        ) from error
 
 
 def erase(path: Path, pseudonym: str) -> bool:

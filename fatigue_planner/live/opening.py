@@ -7,7 +7,7 @@ from fatigue_planner.core.errors import OtherSituationError, listed
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.live.clock import Clock
-from fatigue_planner.live.events import FORMAT, AlarmSettings, Opened
+from fatigue_planner.live.events import FORMAT, Advice, AlarmSettings, Opened, WorkerChanged
 from fatigue_planner.live.journal_file import Stored
 from fatigue_planner.live.rules import Rules
 from fatigue_planner.pomdp.scenario import Scenario
@@ -68,6 +68,21 @@ def since_opened(events: list[Stored]) -> list[Stored]:
     """The events of the shift that was opened last; none in a new journal."""
     opened = [number for number, one in enumerate(events) if isinstance(one.event, Opened)]
     return events[opened[-1] :] if opened else []
+
+
+def off_after(events: list[Stored]) -> tuple[str, ...]:
+    """The workers of a segment who want no belief about them at its end."""
+    off: set[str] = set()
+    worker = ""
+    for one in events:
+        match one.event:
+            case Opened(off=before):
+                off.update(before)
+            case WorkerChanged():
+                worker = one.event.worker
+            case Advice(on=on):
+                (off.discard if on else off.add)(worker)
+    return tuple(sorted(off))
 
 
 def changes(before: Opened, now: Opened) -> list[str]:

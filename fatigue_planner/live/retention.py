@@ -17,6 +17,8 @@ from fatigue_planner.live.journal_file import APPLICATION_ID, lock
 
 # What lies beside a journal and is named after it.
 BESIDE = ("-wal", "-shm", ".view-token", ".act-token", ".lock")
+# Times before fatplan are those of rehearsals, or of clocks that were not set.
+FIRST = datetime(2020, 1, 1, tzinfo=UTC)
 MAGIC, ID_AT = b"SQLite format 3\0", 68  # of every SQLite file; where the application's number stands
 
 
@@ -67,14 +69,14 @@ def is_journal(path: Path) -> bool:
 
 
 def _last_event(path: Path) -> datetime:
-    """When the last event of a journal was; where that cannot be read, when the file was changed last."""
+    """When the last event of a journal was; where that cannot be read or known, when the file was changed last."""
     try:
         # a reader leaves files behind, unless nothing is in them that it has to read
         how = "mode=ro" if path.with_name(f"{path.name}-wal").exists() else "immutable=1"
         with closing(sqlite3.connect(f"file:{quote(str(path.resolve()))}?{how}", uri=True)) as connection:
             row = connection.execute("SELECT utc FROM event ORDER BY number DESC LIMIT 1").fetchone()
-        if row is not None:
-            return datetime.fromisoformat(row[0])
+        if row is not None and (last := datetime.fromisoformat(row[0])) > FIRST:
+            return last
     except (sqlite3.Error, ValueError, TypeError):
         pass
     return datetime.fromtimestamp(path.stat().st_mtime, UTC)

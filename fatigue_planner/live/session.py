@@ -54,7 +54,7 @@ from fatigue_planner.live.events import (
 from fatigue_planner.live.fit import Fit
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
-from fatigue_planner.live.opening import changes, opening, refuse, since_opened
+from fatigue_planner.live.opening import changes, off_after, opening, refuse, since_opened
 from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, from_json, made
 from fatigue_planner.live.searcher import Searcher, Task, unsearched
@@ -191,9 +191,9 @@ class Session:
             if changed := changes(found, opened):
                 if not accept:
                     refuse(changed, Path(journal))
-                opened, events = opened.model_copy(update={"accepted": tuple(changed)}), []
-                found = opened
-            shift = Shift(scenario, settings, found.session)
+                opened = opened.model_copy(update={"accepted": tuple(changed), "off": off_after(events)})
+                found, events = opened, []
+            shift = Shift(scenario, settings, found.session, found.off)
             watch = Watch(model, alarms, shift.likelihood)
             session = cls(written, shift, rules, safe, watch, searching, clock)
             try:
@@ -420,7 +420,9 @@ class Session:
             return self._shift.digest()
 
     def close(self) -> None:
-        """End the session in good order. Raises OutputFolderError if not everything could be recorded."""
+        """End the session in good order; again, do nothing. Raises OutputFolderError if not all could be recorded."""
+        if self._journal.is_closed:
+            return
         self._stop()
         with self._lock:
             self._record(Closed())
@@ -603,7 +605,7 @@ class Session:
 
     def _account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
         """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
-        self.counts.add(event, None if self._pending is None else self._pending.action)
+        self.counts.add(event, None if self._pending is None else self._pending.action, self._shift.cycle - 1)
         self._watch.account(event, at_s, self._shift.worker, before)
 
     def _look(self) -> Levels:
@@ -634,8 +636,9 @@ class Session:
                 self._watch.foresee(belief, cycle, plan)
 
     def _record(self, event: Event) -> None:
+        number = self._journal.append(event, float(self._clock.seconds()), self._clock.utc())
         if not self._journal.fault:
-            self._recorded = self._journal.append(event, float(self._clock.seconds()), self._clock.utc())
+            self._recorded = number
 
     def _rule(self, rules: Rules) -> None:
         """Decide by these from their cycle on."""

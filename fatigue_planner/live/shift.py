@@ -2,6 +2,7 @@
 
 import hashlib
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -87,9 +88,11 @@ class Shift:
     was named; advised: whether a belief is kept of this worker and decides. If not, belief is that in a newcomer.
     """
 
-    def __init__(self, scenario: Scenario, settings: PolicySettings, session: str) -> None:
+    def __init__(self, scenario: Scenario, settings: PolicySettings, session: str, off: Iterable[str] = ()) -> None:
+        """off: the workers who wanted no belief about them before."""
         self.scenario, self.settings, self.session = scenario, settings, session
-        self.cycle, self.worker, self.advised = 1, "", True
+        self._off = set(off)
+        self.cycle, self.worker, self.advised = 1, "", "" not in self._off
         self.belief = self._newcomer()
         self._others: dict[str, tuple[Belief, bool]] = {}
         self._past: deque[_Past] = deque(maxlen=LATE_CYCLES)
@@ -179,7 +182,7 @@ class Shift:
         self.worker = event.worker
         self._past.clear()
         if event.away_s is None or event.worker not in self._others:
-            self.belief, self.advised = self._newcomer(), True
+            self.belief, self.advised = self._newcomer(), event.worker not in self._off
         else:
             belief, self.advised = self._others.pop(event.worker)
             self.belief = belief.rest(event.away_s) if self.advised else belief
@@ -187,6 +190,7 @@ class Shift:
     def _switch(self, on: bool) -> None:
         """Forget what was believed and seen of this worker, but not what the robot did: it may be said again."""
         self.advised, self.belief = on, self._newcomer()
+        (self._off.discard if on else self._off.add)(self.worker)
         for number, past in enumerate(self._past):
             ended = past.inputs[0]
             kept = ended.without_worker() if isinstance(ended, Observed) else ended

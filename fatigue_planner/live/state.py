@@ -37,14 +37,16 @@ class Counts:
     contradicted: int = 0
     refused: int = 0
 
-    def add(self, event: Event, decided: str | None) -> None:
-        """Count an event; `decided` is the action that was decided for the cycle, if it was."""
+    def add(self, event: Event, decided: str | None, ended: int) -> None:
+        """Count an event; decided: the action that was decided for the cycle, if one was; ended: the last cycle."""
         match event:
             case Decided():
                 self.late += event.late
                 self.fallback += event.fallback != "none"
             case Observed(late=True):
                 self.unseen -= not event.is_blind
+                if not event.is_blind:
+                    self.unseen_in_a_row = min(self.unseen_in_a_row, ended - event.cycle)
             case Observed():
                 self.unseen += event.is_blind
                 self.unseen_in_a_row = self.unseen_in_a_row + 1 if event.is_blind else 0

@@ -551,3 +551,35 @@ def test_a_hidden_worker_goes_on_where_he_stopped(path: Path, clock: FakeClock, 
         digest = session.digest()
     with fp.Session.open(path, scenario, clock=clock) as resumed:
         assert resumed.digest() == digest
+
+
+def test_a_tracker_that_is_always_late_does_not_switch_the_belief_off(
+    scenario: fp.Scenario, path: Path, clock: FakeClock
+) -> None:
+    with fp.Session.open(path, scenario, clock=clock, unseen_limit=5) as session:
+        for number in range(1, 12):
+            session.decide(number)
+            clock.pass_(CYCLE_S)
+            decision = session.decide(number + 1)
+            session.observe(number, observation="arm")
+        assert decision.fallback == "none" and not session.state().degraded
+        assert (session.counts.unseen, session.counts.unseen_in_a_row) == (0, 0)
+
+
+def test_who_is_off_stays_off_when_another_situation_is_accepted(scenario: fp.Scenario, path: Path) -> None:
+    with fp.Session.open(path, scenario, clock=FakeClock()) as session:
+        session.worker("w")
+        session.advise(False)
+        session.worker("v")
+    with fp.Session.open(path, scenario, {"kind": "greedy"}, clock=FakeClock(), accept=True) as session:
+        session.worker("v")
+        assert session._shift.advised
+        session.worker("w")
+        assert not session._shift.advised
+    with fp.Session.open(path, scenario, {"kind": "greedy"}, clock=FakeClock()) as session:
+        assert not session._shift.advised
+
+
+def test_to_close_twice_is_to_close(scenario: fp.Scenario, path: Path) -> None:
+    with fp.Session.open(path, scenario, clock=FakeClock()) as session:
+        session.close()

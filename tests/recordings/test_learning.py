@@ -191,7 +191,7 @@ def test_a_learnt_worker_is_one_an_experiment_takes(tmp_path: Path, paper: Exper
 
 
 BAD = {
-    "": "line 1: the columns are none; needed are action, reaction",
+    "": "line 1: the columns are none; required: action, reaction",
     "action,reaction\n": "has no rows",
     "action,reaction,mood\nhigh,arm,1": "line 1: the columns are",
     "action,reaction\nhigh,arm\nhihg,arm": "line 3: action = 'hihg': not one of high, low",

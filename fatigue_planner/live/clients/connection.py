@@ -162,13 +162,20 @@ class Connection:
         before, self._token = self._token, self.address.token()
         if self._token == before:
             return False
+        again, self._kept = deque(self._kept), deque(maxlen=MAX_KEPT)
+        try:
+            lost_from = self.state()["resumed_at"]
+            while again:
+                number, name, said = again[0]
+                if 0 < lost_from <= number:
+                    with suppress(FaceRefusedError):  # too old
+                        self.call(name, **said)
+                again.popleft()
+        except FaceUnreachableError:  # away again: with the token of before, all this is done once more
+            self._kept.extendleft(reversed(again))
+            self._token = before
+            raise
         self.restarts += 1
-        again, self._kept = list(self._kept), deque(maxlen=MAX_KEPT)
-        lost_from = self.state()["resumed_at"]
-        for number, name, said in again:
-            if 0 < lost_from <= number:
-                with suppress(FaceRefusedError):  # too old
-                    self.call(name, **said)
         return True
 
 

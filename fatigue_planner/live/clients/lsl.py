@@ -64,6 +64,9 @@ class LslClient(Client):
             try:
                 correction_s = self._inlet.time_correction(CORRECTION_WAIT_S)
                 values, stamp_s = self._inlet.pull_sample(0.0)
+            except UnicodeDecodeError:
+                self.ignore("the stream's text is not UTF-8")
+                continue
             except RuntimeError:  # that of all errors of pylsl
                 self._inlet = None
                 self.say(f"the stream {self._name} has ended")
@@ -95,6 +98,9 @@ class LslClient(Client):
                     f"a number per reaction: {listed(self._reactions)}."
                 )
             inlet.open_stream(OPEN_WAIT_S)
+        except UnicodeDecodeError:
+            self.ignore("the stream's description is not UTF-8")
+            return
         except RuntimeError:  # that of all errors of pylsl
             return
         self._labels = () if is_text else labels

@@ -88,6 +88,8 @@ class RobotClient(Client):
         if cycle != self._cycle:
             if self._cycle > 0 and self._heard < self._cycle == cycle - 1:
                 self._unreachable(cycle)
+            if cycle < self._cycle:  # another shift
+                self._heard, self._written, self._odd, self._is_silent = 0, None, None, False
             self._cycle, self._since_s, self._asked_s = cycle, now_s, 0.0
         if not self._connected(now_s):
             self._unreachable(cycle)

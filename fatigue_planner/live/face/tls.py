@@ -2,6 +2,7 @@
 
 import ssl
 from dataclasses import dataclass
+from ipaddress import ip_address
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,8 @@ def certificate(chain: Path, key: Path) -> Certificate:
     server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
         server.load_cert_chain(chain, key, password=_no_password)
-    except (ssl.SSLError, ValueError) as error:
-        why = getattr(error, "reason", None) or str(error)
+    except (OSError, ValueError) as error:
+        why = getattr(error, "reason", None) or getattr(error, "strerror", None) or str(error)
         raise SelectionError(
             f"--tls-cert {chain}, --tls-key {key}: should be a certificate and its own key in PEM, the key without a "
             f"password ({why})."
@@ -43,9 +44,15 @@ def certificate(chain: Path, key: Path) -> Certificate:
         found = _seen_by(client, server)
     except ssl.SSLCertVerificationError as error:
         raise SelectionError(f"--tls-cert {chain}: cannot be used ({error.verify_message}).") from error
-    names = tuple(name for kind, name in found if kind in ("DNS", "IP Address"))
+    names = tuple(
+        str(ip_address(name)) if kind == "IP Address" else name
+        for kind, name in found
+        if kind == "IP Address" or (kind == "DNS" and "*" not in name)
+    )
     if not names:
-        raise SelectionError(f"--tls-cert {chain}: should name the host or address it is for (subjectAltName).")
+        raise SelectionError(
+            f"--tls-cert {chain}: should name the host or address it is for (subjectAltName), without *."
+        )
     return Certificate(chain, key, names)
 
 

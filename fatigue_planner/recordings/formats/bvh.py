@@ -11,6 +11,7 @@ from fatigue_planner.recordings.formats.text import lines_of, number, refuse, ta
 
 Vector = NDArray[np.float64]
 MAX_DEPTH, MAX_JOINTS = 100, 1000
+MAX_POSES = 10_000_000  # of joints in frames, 100 bytes each
 _CHANNELS = {f"{axis}{kind}": (kind, index) for kind in ("position", "rotation") for index, axis in enumerate("xyz")}
 
 
@@ -42,6 +43,8 @@ def read_bvh(content: bytes) -> Content:
     short = next((i for i, row in enumerate(body) if len(row) != columns), None)
     if short is not None:
         refuse(line + short, f"{len(body[short])} numbers; the channels are {columns}.")
+    if count * len(joints) > MAX_POSES:
+        raise RecordingError(f"has {len(joints)} joints in {count} frames; more than {MAX_POSES} poses are too many.")
     position, rotation = _poses(joints, table(body, line, columns))
     names = tuple(joint.name for joint in joints)
     rest = np.zeros((len(joints), 3))
@@ -71,6 +74,8 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
                 refuse(index, f"{word} is at the wrong place.")
             if len(joints) >= MAX_JOINTS or len(open_joints) >= MAX_DEPTH:
                 refuse(index, "has more joints than any body.")
+            if word != "END" and not words[1:]:
+                refuse(index, f"{word} has no name.")
             name = f"{joints[parent].name}_end" if word == "END" else " ".join(words[1:])
             joints.append(_Joint(name, parent, np.zeros(3), ()))
         elif word == "{" and joints and len(joints) - 1 not in open_joints:

@@ -52,6 +52,8 @@ def read_csv(content: bytes) -> Content:
     if len(units) > 1:
         refuse(0, f"columns have different units: {listed(unit or 'none' for unit in sorted(units))}.")
     own = {(found[1], found[2].lower()): name for name, found in points.items()}
+    if len(own) < len(points):
+        refuse(0, "has several columns of one marker and axis.")
     labels = list(dict.fromkeys(label for label, _ in own))
     if missing := [f"{label}_{axis}" for label in labels for axis in "xyz" if (label, axis) not in own]:
         refuse(0, f"columns are missing: {listed(missing)}.")

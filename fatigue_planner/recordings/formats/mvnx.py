@@ -19,7 +19,9 @@ _CALIBRATION = {"npose", "tpose", "identity", "tpose-isb"}
 
 def read_mvnx(content: bytes) -> Content:
     """The segments of an MVNX file; its axes are Xsens': x forward, z up, metres. Raises RecordingError."""
-    if b"<!DOCTYPE" in content[:10_000] or b"<!ENTITY" in content:
+    if b"\0" in content[:1000] or content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise RecordingError("is not in UTF-8, as MVNX files are.")
+    if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise RecordingError("declares a document type or entities; MVNX files have none.")
     names: list[str] = []
     times: list[float] = []
@@ -86,7 +88,7 @@ def _rotation(quaternion: Vector) -> Vector:
     length = np.linalg.norm(quaternion, axis=-1)
     if not (abs(length - 1) < 0.01).all():
         frame = int((~(abs(length - 1) < 0.01)).any(axis=1).argmax())
-        raise RecordingError(f"the orientations of the {frame + 1}. frame are no unit quaternions.")
+        raise RecordingError(f"the orientations of frame {frame + 1} are not unit quaternions.")
     w, x, y, z = np.moveaxis(quaternion / length[..., None], -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

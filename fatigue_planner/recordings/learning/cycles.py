@@ -90,11 +90,16 @@ def _rows(path: Path, needed: Sequence[str], allowed: Sequence[str]) -> list[tup
         raise RecordingError(f"{path}: cannot be read ({error.strerror}).") from error
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
-    table = [[cell.strip() for cell in row] for row in csv.reader(lines)]
+    try:
+        table = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
+    except csv.Error as error:
+        raise RecordingError(f"{path}: is not a table ({error}).") from error
+    if len(table) != len(lines):
+        raise RecordingError(f"{path}: has cells of several lines.")
     names = table[0] if table else []
     if set(needed) - set(names) or set(names) - {*needed, *allowed} or len(set(names)) < len(names):
         raise RecordingError(
-            f"{path}, line 1: the columns are {listed(names) or 'none'}; needed are {listed(needed)}, allowed is "
+            f"{path}, line 1: the columns are {listed(names) or 'none'}; required: {listed(needed)}; optional: "
             f"{listed(allowed)}."
         )
     rows = []

@@ -16,6 +16,7 @@ from fatigue_planner.live.doses import HOUR_S, doses
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.hindsight import Hindsight, hindsight, usual_plans
 from fatigue_planner.live.record import Pause, Record, Segment, Worked
+from fatigue_planner.live.rules import from_json
 from fatigue_planner.live.shift import Shift
 from fatigue_planner.planners.registry import policy
 from fatigue_planner.pomdp.scenario import Scenario
@@ -183,7 +184,7 @@ class ShiftData:
             if part.scenario is None or part.replayed is None:
                 continue
             own = [one for one in part.replayed.stretches if one.worker == worker]
-            settings = policy(part.segment.opened.policy)
+            settings = policy(from_json(part.segment.opened.policy))
             shift = Shift(part.scenario, settings, part.segment.opened.session)
             result = hindsight(own, shift, usual_plans(part.scenario, settings.knows))
             if result.cycles and result.others:

@@ -60,10 +60,11 @@ def group_sections(data: ShiftData, figures: FigureFolder) -> tuple[list[str], l
 def times_of(data: ShiftData) -> Times:
     """How long each worker worked and rested, by hour."""
     found: Times = {worker: {} for worker in data.record.workers}
-    for one in data.worked:
+    known = [part for part in data.parts if part.scenario is not None]  # of others there is no estimate
+    for one in (one for part in known for one in part.segment.worked()):
         if sight_of(one.end) not in {"off", "skipped"}:
             _add(found, one.worker, data.hour_of(one.ended_s), data.minutes(one), 0.0)
-    for pause in data.pauses:
+    for pause in (pause for part in known for pause in part.segment.pauses()):
         if pause.kind != "away" and pause.worker in found:
             _add(found, pause.worker, data.hour_of(pause.ended_s), 0.0, pause.seconds / 60)
     return found
@@ -103,7 +104,11 @@ def _within(times: Times, worker: str, first: int, last: int) -> tuple[float, fl
 
 
 def group_table(data: ShiftData, times: Times, found: Sequence[Window]) -> pd.DataFrame:
-    """By window and entry, means over the workers: dose in s per hour of work, fatigue; and pauses in min per hour."""
+    """By window and entry, means over the workers: dose in s per hour of work, fatigue; and pauses in min per hour.
+
+    Only entries of which as many workers as a window needs have a value: a mean of fewer would tell of one.
+    """
+    fewest = 1 if data.is_rehearsal else FEWEST
     doses = {worker: data.doses_table(worker) for worker in data.record.workers}
     fatigue = {worker: data.fatigue_table(worker) for worker in data.record.workers}
     for table in fatigue.values():
@@ -124,7 +129,8 @@ def group_table(data: ShiftData, times: Times, found: Sequence[Window]) -> pd.Da
         rested = [60 * rest / (work + rest) for work, rest in spans.values()]
         rows.append(where | {"measure": "pause_min_per_hour", "entry": None, "value": sum(rested) / len(rested)})
         for measure, own in (("dose_s_per_hour", of_dose), ("mean_fatigue", of_fatigue)):
-            means = pd.concat(own, axis=1).fillna(0.0).mean(axis=1)
+            values = pd.concat(own, axis=1)
+            means = values[values.notna().sum(axis=1) >= fewest].fillna(0.0).mean(axis=1)
             rows += [where | {"measure": measure, "entry": entry, "value": mean} for entry, mean in means.items()]
     return pd.DataFrame(rows)
 
