@@ -74,10 +74,7 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
                 refuse(index, f"{word} is at the wrong place.")
             if len(joints) >= MAX_JOINTS or len(open_joints) >= MAX_DEPTH:
                 refuse(index, "has more joints than any body.")
-            if word != "END" and not words[1:]:
-                refuse(index, f"{word} has no name.")
-            name = f"{joints[parent].name}_end" if word == "END" else " ".join(words[1:])
-            joints.append(_Joint(name, parent, np.zeros(3), ()))
+            joints.append(_Joint(_name(joints, parent, word, words[1:], index), parent, np.zeros(3), ()))
         elif word == "{" and joints and len(joints) - 1 not in open_joints:
             open_joints.append(len(joints) - 1)
         elif word == "}" and open_joints:
@@ -89,6 +86,14 @@ def _hierarchy(lines: list[str]) -> tuple[list[_Joint], int]:
         else:
             refuse(index, f"{shortened(text.strip())} is not expected here.")
     raise RecordingError("has no MOTION after its HIERARCHY.")
+
+
+def _name(joints: list[_Joint], parent: int, word: str, words: list[str], line: int) -> str:
+    if word == "END":
+        return f"{joints[parent].name}_end"
+    if not words:
+        refuse(line, f"{word} has no name.")
+    return " ".join(words)
 
 
 def _with(joint: _Joint, word: str, words: list[str], line: int) -> _Joint:

@@ -17,12 +17,17 @@ MAX_SEGMENTS = 200
 _CALIBRATION = {"npose", "tpose", "identity", "tpose-isb"}
 
 
-def read_mvnx(content: bytes) -> Content:
-    """The segments of an MVNX file; its axes are Xsens': x forward, z up, metres. Raises RecordingError."""
+def _check_plain(content: bytes) -> None:
+    """Raise RecordingError for XML that could stand for more than it is."""
     if b"\0" in content[:1000] or content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         raise RecordingError("is not in UTF-8, as MVNX files are.")
     if b"<!DOCTYPE" in content or b"<!ENTITY" in content:
         raise RecordingError("declares a document type or entities; MVNX files have none.")
+
+
+def read_mvnx(content: bytes) -> Content:
+    """The segments of an MVNX file; its axes are Xsens': x forward, z up, metres. Raises RecordingError."""
+    _check_plain(content)
     names: list[str] = []
     times: list[float] = []
     rows: list[tuple[list[float], list[float]]] = []
