@@ -110,7 +110,10 @@ def test_reactions_come_in_and_decisions_go_out(cell: Cell) -> None:
     seen.push_sample(["arm"])
     until(lambda: cell.cycle() == first + 1)
     assert cell.recorded(first).observation == "arm"
-    assert marker(decisions) == {"cycle": first + 1, "action": cell.robot.decide().action}
+    told = marker(decisions)
+    if told["cycle"] == first:  # the stream was listened to before this cycle's was sent
+        told = marker(decisions)
+    assert told == {"cycle": first + 1, "action": cell.robot.decide().action}
     # the robot has gone on; what is stamped in the cycle before is of that
     time.sleep(2 * EARLY_S)
     stamp_s = pylsl.local_clock()

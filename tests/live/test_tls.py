@@ -36,7 +36,7 @@ def made(folder: Path, *options: str, names: str = NAMES) -> tuple[Path, Path]:
 
 def test_a_certificate_says_who_it_is(tmp_path: Path) -> None:
     shown = certificate(*made(tmp_path))
-    assert shown.names == ("Cell.example", ADDRESS, "0:0:0:0:0:0:0:1")
+    assert shown.names == ("Cell.example", ADDRESS, "::1")
     assert names_of(ADDRESS, 8765, shown)[0] == f"{ADDRESS}:8765"
     assert names_of("0.0.0.0", 443, shown)[::3] == ("cell.example:443", "cell.example")
     assert names_of("::1", 8765, None)[0] == "[::1]:8765"

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fatigue_planner.core.random_streams import random_stream
+from fatigue_planner.pomdp.fatigue_pomdp import recognition_of
 from fatigue_planner.pomdp.problem import draw
 from fatigue_planner.pomdp.scenario import Scenario
 
@@ -21,7 +22,8 @@ class SimulatedWorker:
         model, number = self._model, self._model.actions.index(action)
         outcome = draw(model.probabilities(self._state, number), self._rng.random())
         self._state, _ = model.transition(self._state, number, outcome)
-        return model.observations[draw(np.asarray(model.arrays.observation[outcome]), self._rng.random())]
+        chances = np.asarray(model.arrays.observation[recognition_of(model.arrays, number), outcome])
+        return model.observations[draw(chances, self._rng.random())]
 
     def rest(self, seconds: float) -> None:
         """Do nothing for so long."""

@@ -14,6 +14,7 @@ from servers import Server
 from shifts import World
 
 from fatigue_planner.live.events import Contradicted, Observed, Refused
+from fatigue_planner.live.journal_file import read_journal
 
 pytestmark = pytest.mark.slow
 SESSION = "fatigue_planner.live.session:Session"
@@ -79,7 +80,9 @@ def test_13_said_what_is_no_observation(world: World) -> None:
         for body in (b"[]", b"{", b"[" * 60_000, b"\xff", b'{"cycle": 2, "seen": 1}'):
             assert server.call("/v1/observe", body)[0] == 422
         state = server.call("/v1/state")[1]
-        assert (state["recorded"], state["cycle"]) == (before, 2)
+        assert state["cycle"] == 2
+        later = [one.event for one in read_journal(server.journal) if one.number > before]
+        assert all(isinstance(one, Refused) for one in later)  # that is all that was noted
 
 
 @fails_with("fatigue_planner.live.face.server:LimitedProtocol.connection_made", ">= MAX_CONNECTIONS", "< 0")
@@ -103,7 +106,10 @@ def test_19_clients_vanish_never_read_and_drip(world: World) -> None:
                 one.sendall(watch.encode() if number < 20 else b"POST /v1/decide HTTP/1.1\r\nHo")
             except OSError:
                 pass
-        assert established(server) <= 401
+        end = time.monotonic() + 4
+        while established(server) > 401:  # those too many are closed as soon as the server sees them
+            assert time.monotonic() < end
+            time.sleep(0.1)
         for cycle in range(1, 400):
             if cycle == 200:
                 memory = resident(server)

@@ -60,7 +60,7 @@ def test_04_midnight_summer_time_and_a_leap_second(world: World, monkeypatch: py
     assert [one.difference_s for one in world.events(ClockSet)] == [-1]
 
 
-@fails_with(f"{SESSION}.rest", "self._take(Rested(", "self._go_on(Rested(seconds=0), 0) or self._take(Rested(")
+@fails_with(f"{SESSION}.rest", 'said.seconds("seconds", seconds)', 'min(said.seconds("seconds", seconds), 40.0)')
 def test_11_lunch_a_pause_and_cycles_of_any_length(world: World) -> None:
     """A pause in two parts is a pause; a longer cycle is the cycle and rest; all of it is in the history."""
     with world.open() as session, world.open("other", clock := FakeClock()) as other:
