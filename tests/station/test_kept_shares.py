@@ -79,6 +79,16 @@ def test_what_decides_is_in_the_key(more: dict[str, Any]) -> None:
     assert key(first(station())) != key(first(station(**more)))
 
 
+def test_of_whom_is_asked_is_in_the_key() -> None:
+    """Also where the worker of the median stature stays the same."""
+
+    def with_deviation(sd: float) -> dict[str, Any]:
+        people = {sex: {"stature_m": {"mean": 1.6, "sd": sd}} for sex in ("female", "male")}
+        return key(first(station(population=people)))
+
+    assert with_deviation(0.06) != with_deviation(0.07)
+
+
 def test_sources_and_versions_are_in_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
     before = key(first(station()))
     for name in ("digest_of_package", "versions_of"):

@@ -45,7 +45,7 @@ FAULTS = (
     ),
     *_in("station/kept_shares.py",
         ("the key of what is kept of a population without its people",
-         "station/test_kept_shares.py::test_what_decides_is_in_the_key",
+         "station/test_kept_shares.py::test_of_whom_is_asked_is_in_the_key",
          'question.people.plain() if question.people else None', "None"),
     ),
     *_in("ergonomics/result.py",
