@@ -63,6 +63,8 @@ def test_the_commands_work_from_the_wheel_in_an_empty_folder(installed: Path, tm
     package = next((installed.parents[1] / "lib").glob("python*/site-packages/fatigue_planner"))
     before = files(package)
     assert {path.stem for path in (package / "shipped").glob("*.yaml")} >= {"paper", "paper_claims", "sensitivity"}
+    ours = {file.relative_to(ROOT / "fatigue_planner") for file in files(ROOT / "fatigue_planner") if file.is_file()}
+    assert ours <= {file.relative_to(package) for file in before}
     work = tmp_path / "work"
     work.mkdir()
     for command in COMMANDS:
