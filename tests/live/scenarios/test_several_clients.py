@@ -5,6 +5,7 @@ import json
 import socket
 import time
 from collections import Counter
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import numpy as np
@@ -88,19 +89,17 @@ def test_13_said_what_is_no_observation(world: World) -> None:
 @fails_with("fatigue_planner.live.face.server:LimitedProtocol.connection_made", ">= MAX_CONNECTIONS", "< 0")
 def test_19_clients_vanish_never_read_and_drip(world: World) -> None:
     """400 connections are kept; a good client goes on; memory does not grow with those who never read."""
-    with world.serving() as server:
-        good = http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)
+    with world.serving() as server, ExitStack() as held:
+        good = held.enter_context(closing(http.client.HTTPConnection("127.0.0.1", server.port, timeout=20)))
         headers = {"Authorization": f"Bearer {server.act}"}
         good.request("POST", "/v1/decide", b"{}", headers)
         assert good.getresponse().read()
         watch = (
             f"GET /v1/events HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: Bearer {server.view}\r\n\r\n"
         )
-        bad = []
         for number in range(600):
-            one = socket.socket()
+            one = held.enter_context(socket.socket())
             one.settimeout(2)
-            bad.append(one)
             try:
                 one.connect(("127.0.0.1", server.port))
                 one.sendall(watch.encode() if number < 20 else b"POST /v1/decide HTTP/1.1\r\nHo")
@@ -117,9 +116,6 @@ def test_19_clients_vanish_never_read_and_drip(world: World) -> None:
             answer = good.getresponse()
             assert (answer.status, json.loads(answer.read())["cycle"]) == (200, cycle + 1)
         assert resident(server) - memory < 10_000
-        for one in bad:
-            one.close()
-        good.close()
 
 
 def resident(server: Server) -> int:
