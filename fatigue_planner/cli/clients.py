@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fatigue_planner.cli import options
-from fatigue_planner.cli.live import need_server, policy_of, task_of
+from fatigue_planner.cli.live import ConditionName, PolicyName, need_server, policy_of, task_of
 from fatigue_planner.cli.progress import progress, talk
 from fatigue_planner.cli.shift_report import write_report
 from fatigue_planner.core.errors import ExitCode, MissingExtraError, OutputFolderError, SelectionError, listed
@@ -41,13 +41,8 @@ def rehearse(
     speed: Annotated[
         float, typer.Option("--speed", min=0, help="How many times faster than real time; 0: as fast as it goes.")
     ] = 0.0,
-    condition: Annotated[
-        str | None, typer.Option("--condition", help="Condition of the experiment's benchmark. Default: the first.")
-    ] = None,
-    policy: Annotated[
-        str | None,
-        typer.Option("--policy", help="Policy of the experiment's benchmark. Default: an exact lookahead of 2 cycles."),
-    ] = None,
+    condition: ConditionName = None,
+    policy: PolicyName = None,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     plugins: options.Plugins = None,
     as_json: options.Json = False,

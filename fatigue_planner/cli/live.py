@@ -29,6 +29,13 @@ app = typer.Typer(
 )
 
 JournalFile = Annotated[Path, typer.Argument(metavar="JOURNAL", help="The journal of a shift.")]
+ConditionName = Annotated[
+    str | None, typer.Option("--condition", help="Condition of the experiment's benchmark. Default: the first.")
+]
+PolicyName = Annotated[
+    str | None,
+    typer.Option("--policy", help="Policy of the experiment's benchmark. Default: an exact lookahead of 2 cycles."),
+]
 
 
 def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySettings | None":
@@ -53,13 +60,8 @@ def serve(
     journal: Annotated[Path, typer.Option("--journal", help="The journal; one that is there is gone on with.")] = Path(
         "shift.fatplan"
     ),
-    condition: Annotated[
-        str | None, typer.Option("--condition", help="Condition of the experiment's benchmark. Default: the first.")
-    ] = None,
-    policy: Annotated[
-        str | None,
-        typer.Option("--policy", help="Policy of the experiment's benchmark. Default: an exact lookahead of 2 cycles."),
-    ] = None,
+    condition: ConditionName = None,
+    policy: PolicyName = None,
     deadline_s: Annotated[float, typer.Option("--deadline", help="Seconds after which an answer is late.")] = 0.05,
     safe_action: Annotated[
         str | None, typer.Option("--safe-action", help="Action if nothing else decides. Default: the most ergonomic.")
