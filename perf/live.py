@@ -135,6 +135,7 @@ class Served:
                 self.first = self.ask("/v1/decide", {})
                 break
             except ConnectionRefusedError:
+                self._connection.close()
                 time.sleep(0.01)
         self.started_s = time.perf_counter() - self.begin
 
