@@ -128,6 +128,7 @@ def test_a_reader_that_has_gone_is_no_fault() -> None:
         assert running.wait(timeout=60) == -13  # as the shell's own programs: SIGPIPE
 
 
+@pytest.mark.slow
 def test_as_a_module_it_is_the_same_program() -> None:
     module = [sys.executable, "-m", "fatigue_planner"]
     for words in (["--version"], ["simulate", "none.yaml", "--json"]):
