@@ -43,6 +43,7 @@ live.app.command(epilog=options.EXIT_CODES)(watch)
 live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
 live.app.command(epilog=options.EXIT_CODES)(clients.ur)
 live.app.command(epilog=options.EXIT_CODES)(clients.lsl)
+live.app.command(epilog=options.EXIT_CODES)(clients.recognise)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.card)
 for group in (human.app, cache.app, live.app, record.app):

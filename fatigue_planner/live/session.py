@@ -409,6 +409,8 @@ class Session:
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,
+                preferences=self._shift.scenario.model.outcomes,
+                executed=None if self._told is None else self._told.action,
             )
 
     @property
