@@ -56,7 +56,8 @@ class MotionClip:
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
     have a goal; `strength_nm` (T or 1, 78) that of `ENTRIES`; `objects` the poses at which the robot
-    presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion.
+    presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion;
+    `markers_m` (T, k, 3) those of a recording, NaN where unseen.
     """
 
     name: ReactionName
@@ -69,6 +70,7 @@ class MotionClip:
     objects: tuple[Pose, ...]
     verdict: Verdict
     remarks: tuple[str, ...] = ()
+    markers_m: Matrix | None = None
 
     @property
     def duration_s(self) -> float:
