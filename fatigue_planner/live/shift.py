@@ -160,6 +160,10 @@ class Shift:
             return np.asarray(model.arrays.observation[matrix, :, model.observations.index(event.observation)])
         return np.ones(len(model.outcomes))
 
+    def is_off(self, worker: str) -> bool:
+        """Whether a worker wants no belief about him."""
+        return worker in self._off
+
     @property
     def planned_s(self) -> float:
         """The planned duration of a cycle."""
@@ -182,6 +186,7 @@ class Shift:
         self.worker = event.worker
         self._past.clear()
         if event.away_s is None or event.worker not in self._others:
+            self._others.pop(event.worker, None)
             self.belief, self.advised = self._newcomer(), event.worker not in self._off
         else:
             belief, self.advised = self._others.pop(event.worker)
