@@ -419,6 +419,7 @@ class Session:
                 reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
+                judged=self._fit.judged,
                 fits=self._fit.holds,
             )
 
@@ -588,14 +589,14 @@ class Session:
         self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
             self._left_s[self._shift.worker] = min(self._ended_s, at_s)  # what has passed since then was rest
-        self._shift.take(event, prepared.belief if prepared else None)
-        if isinstance(event, Observed) and event.late:
-            return
+        surprised = self._shift.take(event, prepared.belief if prepared else None)
         if isinstance(event, Observed):
             unknown = event.is_unclear and UNCLEAR not in self._shift.scenario.model.observations
-            surprised = not event.off and (self._shift.belief.surprised or unknown)
+            surprised = not event.off and (surprised or unknown)
             self.counts.surprised += surprised
             self._fit.add(event, surprised)
+            if event.late:
+                return
         elif isinstance(event, WorkerChanged):
             self._fit.change(event.worker)
         if isinstance(event, Advice):
