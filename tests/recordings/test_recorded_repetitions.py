@@ -7,7 +7,7 @@ import pytest
 import yaml
 from commands import fatplan, refused
 from numpy.typing import NDArray
-from recorded import LABELS, figure, trc
+from recorded import LABELS, figure, real, trc
 
 from fatigue_planner.core.errors import RecordingError
 from fatigue_planner.human.kinematics import poses_of, tree_of
@@ -17,7 +17,7 @@ from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.recordings.kinematics.measured import Measured
 from fatigue_planner.recordings.mapping import landmark_table, load_mapping
-from fatigue_planner.recordings.recognition.recorded import read_labels, recorded
+from fatigue_planner.recordings.recognition.recorded import Label, read_labels, recorded
 from fatigue_planner.recordings.recognition.repetitions import N_PARTS, of_motion
 from fatigue_planner.recordings.recognition.stored import load_recogniser
 
@@ -108,6 +108,21 @@ def test_angles_are_found_from_markers(tmp_path: Path, reactions: tuple[Reaction
         assert np.sqrt(((found - want)[:, index] ** 2).mean()) < 5, name
     unseen = [name for index, name in enumerate(DEGREES_OF_FREEDOM) if np.isnan(found[:, index]).all()]
     assert "right_wrist_flexion" in unseen and "head_flexion" in unseen and "right_elbow_flexion" not in unseen
+
+
+@pytest.mark.slow
+def test_real_squats_and_sit_to_stand() -> None:
+    """Angles of a real person's markers, with his static trial: knees bend, and nothing is said of the wrists."""
+    folder = real("squat_sit_plates/squats1.trc").parent
+    instants = (0.5, 4.0, 8.0, 12.0)
+    labels = [
+        Label(2, folder / name, "man", "low", preference, instants, folder / "static1.trc", None)
+        for name, preference in (("squats1.trc", "squat"), ("STS1.trc", "arm"))
+    ]
+    found, digests = recorded(folder, labels, {"man": Worker(height_m=1.75, mass_kg=60, sex="male")}, CYCLE)
+    knee, wrist = (DEGREES_OF_FREEDOM.index(name) for name in ("right_knee_flexion", "right_wrist_flexion"))
+    assert np.nanmax(found.angles_deg[:, :, knee], axis=1).min() > 45
+    assert np.isnan(found.angles_deg[:, :, wrist]).all() and len(set(digests.values())) == 2
 
 
 @pytest.mark.slow
