@@ -1,11 +1,13 @@
 """RULA: its tables against another transcription, worked examples, a second computation at every tick, the unknown."""
 
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
 import plain_rula
 import pytest
+from conftest import ROOT
 from second_reading import SIDES, readings
 
 from fatigue_planner.core.errors import DataFileError
@@ -34,6 +36,21 @@ def test_the_tables_are_those_of_another_transcription() -> None:
         assert table_b(*array(*points))[0] == plain_rula.table_b(*points), points
     for points in itertools.product(range(1, 15), range(1, 15)):
         assert table_c(*array(*points))[0] == plain_rula.table_c(*points), points
+
+
+def test_the_page_lists_where_the_other_table_a_differs() -> None:
+    """31 cells, all lower in the other; rows as upper arm and lower arm."""
+    page = (ROOT / "docs/ergonomics.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d)\.(\d) \| ([\d ]+) \| ([\d* ]+) \|$", page, re.MULTILINE)
+    lower = 0
+    for upper_arm, lower_arm, here, other in rows:
+        arm = int(upper_arm), int(lower_arm)
+        wrists = list(itertools.product(range(1, 5), range(1, 3)))
+        assert [table_a(*array(*arm, *wrist))[0] for wrist in wrists] == [int(cell) for cell in here.split()]
+        for cell, differs in zip(here.split(), other.split(), strict=True):
+            assert differs.startswith("**") == (int(differs.strip("*")) < int(cell)), (arm, cell, differs)
+            lower += differs.startswith("**")
+    assert (len(rows), lower) == (11, 31)
 
 
 @pytest.mark.parametrize(

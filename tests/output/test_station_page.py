@@ -3,6 +3,7 @@
 import ast
 import json
 import re
+import shutil
 import string
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from browser import chromium
 from commands import fatplan
 from conftest import ROOT
 
@@ -68,6 +70,8 @@ from fatigue_planner.station.workers import facts_of
 PACKAGE = ROOT / "fatigue_planner"
 ENTRY = "right_shoulder_flexion:positive"
 MAX_BYTES = 3_000_000
+# A4 without its margins of 12 mm, at 96 dots an inch.
+PRINTED_PX = (703, 1031)
 KINDS: dict[str, Kind] = {"overhead": "missed", "door": "reached", "floor": "too_weak"}
 
 
@@ -333,6 +337,38 @@ def grid_of(station: Station) -> Station:
     at = {name: Place(x=x, y=-0.1, z=z, tool="gun", map="rack") for name, (x, z) in points.items()}
     fit = station.operations["fit"].model_copy(update={"places": tuple(at)})
     return station.model_copy(update={"places": at, "operations": {"fit": fit}})
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
+@pytest.mark.parametrize("language", languages())
+def test_the_fullest_first_side_is_one_sheet_of_paper(
+    assessment: StationAssessment, postures: dict[Doing, Posture], language: str, tmp_path: Path
+) -> None:
+    """With more sentences and places than it takes; and no width is too small for the page."""
+    shelf, station = assessment.summaries[0], assessment.station
+    many = {f"shelf_z{number}": station.places[shelf.place] for number in range(20)}
+    full = replace(
+        assessment,
+        station=station.model_copy(update={"places": station.places | many}),
+        headline=assessment.headline * 5,
+        summaries=assessment.summaries + tuple(replace(shelf, place=name) for name in many),
+    )
+    (tmp_path / "page.html").write_text(station_page(full, postures, catalogue_of(language)), encoding="utf-8")
+    with chromium(tmp_path / "profile") as page:
+        for width in (1400, 390):
+            page.open((tmp_path / "page.html").as_uri(), width)
+            page.until("document.readyState === 'complete' && document.querySelector('.front') !== null")
+            assert page.value("document.documentElement.scrollWidth <= innerWidth"), width
+            assert page.faults() == []
+        assert page.complaints == []
+        page.call("Emulation.setEmulatedMedia", media="print")
+        page.call(
+            "Emulation.setDeviceMetricsOverride", width=PRINTED_PX[0], height=PRINTED_PX[1], deviceScaleFactor=1,
+            mobile=False,
+        )  # fmt: skip
+        height = "document.querySelector('.front').getBoundingClientRect().height"
+        assert 0.5 * PRINTED_PX[1] < page.value(height) < PRINTED_PX[1]
 
 
 @pytest.mark.parametrize("language", languages())

@@ -16,7 +16,7 @@ CANNOT = (
 FORBIDDEN = (statements.NOT_ACCEPTABLE, statements.NOT_ACCEPTABLE_AT_ALL)
 TIRED = (statements.WORST_JOINT, statements.NO_JOINT, statements.SHORTFALL)
 # So many sentences of a kind fit on the first side; the details have all.
-MOST, MOST_CHANGES, MOST_PLACES, MOST_RULES = 6, 3, 8, 2
+MOST, MOST_CHANGES, MOST_PLACES, MOST_RULES = 6, 3, 6, 2
 
 
 def shown(assessment: StationAssessment) -> list[tuple[str, Doing]]:
@@ -27,7 +27,7 @@ def shown(assessment: StationAssessment) -> list[tuple[str, Doing]]:
     """
     judged = {each.doing: each for each in assessment.judged}
     found = []
-    few = len(assessment.summaries) <= MOST
+    few = len(assessment.summaries) <= MOST_PLACES
     for operation in assessment.station.operations:
         worst_of: dict[str, Doing] = {}
         for each in assessment.places:
@@ -176,10 +176,13 @@ def places(assessment: StationAssessment, wording: Wording, brief: bool = False)
     else:
         header.append("Only warned by")
     rows = [_place(assessment, each, wording, brief) for each in assessment.summaries if each in chosen]
+    left_out = len(assessment.summaries) - len(rows)
     caption = wording.say(
         "Every place, for the worst of the workers who reach it, each in the way that is best there. The fatigue is "
         "the share of its strength that a joint loses in the settled cycle."
     )
+    if left_out:
+        caption += " " + wording.say("{more} more: see the details.", more=left_out)
     return Table(caption, [wording.say(name) for name in header], rows)
 
 
