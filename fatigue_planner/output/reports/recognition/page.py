@@ -17,8 +17,8 @@ from fatigue_planner.recordings.recognition.stored import StoredRecogniser
 from fatigue_planner.study.statistics.pairing import records
 
 FLOOR = (
-    "This is a floor: the people were simulated, and simulated people of one preference differ by their bodies only. "
-    "Real ones vary, so real errors are more frequent."
+    "This is a floor: every reaction is repeated with the simulated errors of motion capture only, and simulated "
+    "people of one preference differ by their bodies only. Real ones vary, so real errors are more frequent."
 )
 
 
