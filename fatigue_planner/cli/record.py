@@ -1,4 +1,7 @@
-"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles."""
+"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles.
+
+`record import` is in a file of its own.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,7 +17,9 @@ if TYPE_CHECKING:
     from fatigue_planner.recordings.learning.learnt import Learnt
 
 app = typer.Typer(
-    name="record", help="Check recorded motions; recognise reactions; learn preferences.", no_args_is_help=True
+    name="record",
+    help="Check and import recorded motions; recognise reactions; learn preferences.",
+    no_args_is_help=True,
 )
 
 Units = Annotated[Literal["mm", "cm", "m"] | None, typer.Option("--units", help="Unit of length.")]
@@ -59,7 +64,7 @@ def check(
     given = Given(units, up, rate, prefix, mapping, mass)
     checked = check_files(files, given, Choices(reader, None if angles is None else angles == "deg"))
     document = {"files": [_row(one) for one in checked], "refused": sum(one.found is None for one in checked)}
-    options.present(document, "\n".join(map(_text, checked)), as_json)
+    options.present(document, "\n".join(map(told, checked)), as_json)
     if document["refused"]:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
@@ -233,7 +238,8 @@ def _row(one: "Checked") -> dict[str, Any]:
     }
 
 
-def _text(one: "Checked") -> str:
+def told(one: "Checked") -> str:
+    """What a file holds, what was inferred and what is wrong with it, in lines."""
     if one.found is None:
         return f"{one.refused}\n  refused"
     recording = one.found.recording

@@ -25,7 +25,7 @@ from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.scenario import Scenario, average_worker
 from fatigue_planner.pomdp.timing import Timing
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, Recorded
 
 
 class CycleProfiles(dict[ReactionName, CycleProfile]):
@@ -38,18 +38,26 @@ class CycleProfiles(dict[ReactionName, CycleProfile]):
 
 def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
     """A request for every worker, action and preference."""
+    recorded = {
+        ReactionName(worker, action, preference): Recorded(key, experiment.recording_accuracy)
+        for worker, actions in experiment.recorded.items()
+        for action, preferences in actions.items()
+        for preference, key in preferences.items()
+    }
     return tuple(
         ReactionRequest(
-            ReactionName(worker_name, action_name, preference_name),
+            name,
             MotionRequest(
                 worker, strength, experiment.tool, experiment.cycle, experiment.controller, action, preference
             ),
             experiment.accuracy,
+            recorded.get(name),
         )
         for worker_name, worker in experiment.workers.items()
         for strength in [maximum_torque(worker.strength)]
         for action_name, action in experiment.actions.items()
         for preference_name, preference in experiment.preferences.items()
+        for name in [ReactionName(worker_name, action_name, preference_name)]
     )
 
 

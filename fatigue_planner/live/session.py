@@ -56,6 +56,7 @@ from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
 from fatigue_planner.live.opening import changes, off_after, opening, refuse, since_opened
 from fatigue_planner.live.pauses import Levels
+from fatigue_planner.live.realtime import OLD_OBJECTS
 from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, from_json, made
 from fatigue_planner.live.searcher import Searcher, Task, unsearched
 from fatigue_planner.live.shift import Choice, Shift
@@ -207,6 +208,7 @@ class Session:
         except BaseException:
             written.close()
             raise
+        OLD_OBJECTS.leave_alone()
         return session
 
     def decide(self, cycle: int | None = None) -> CycleDecision:
@@ -407,6 +409,8 @@ class Session:
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
                 fits=self._fit.holds,
+                preferences=self._shift.scenario.model.outcomes,
+                executed=None if self._told is None else self._told.action,
             )
 
     @property
@@ -423,6 +427,7 @@ class Session:
         """End the session in good order; again, do nothing. Raises OutputFolderError if not all could be recorded."""
         if self._journal.is_closed:
             return
+        OLD_OBJECTS.look_at()
         self._stop()
         with self._lock:
             self._record(Closed())

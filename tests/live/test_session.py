@@ -1,5 +1,6 @@
 """A session: the same belief and answers whatever happens to the program; what was said wrongly changes nothing."""
 
+import gc
 import itertools
 import math
 import os
@@ -583,3 +584,34 @@ def test_who_is_off_stays_off_when_another_situation_is_accepted(scenario: fp.Sc
 def test_to_close_twice_is_to_close(scenario: fp.Scenario, path: Path) -> None:
     with fp.Session.open(path, scenario, clock=FakeClock()) as session:
         session.close()
+
+
+def test_who_answers_goes_first(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """No garbage is looked for within an answer, nor among what was there before; threads beside it give way."""
+    found: list[int] = []
+    answering = False
+
+    def looked(phase: str, _: object) -> None:
+        if answering and phase == "start":
+            found.append(gc.get_freeze_count())
+
+    before = gc.get_freeze_count()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert gc.get_freeze_count() > before + 10_000
+        for thread in (session._table._thread, session._journal._thread):
+            assert thread.native_id is not None
+            policy = os.sched_getscheduler(thread.native_id) & ~os.SCHED_RESET_ON_FORK
+            assert policy == os.SCHED_BATCH
+        gc.callbacks.append(looked)
+        try:
+            for number in range(150):
+                decision = session.decide()
+                assert session._table.wait(30)
+                clock.pass_(CYCLE_S)
+                answering = True
+                session.observe(decision.cycle, observation=("arm", "back")[number % 2])
+                answering = False
+        finally:
+            gc.callbacks.remove(looked)
+    assert found == []
+    assert gc.get_freeze_count() == before

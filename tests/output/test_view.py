@@ -312,6 +312,7 @@ def test_motions_too_large_for_the_page_lie_beside_it(monkeypatch: pytest.Monkey
     assert places == ["my%20view%23_motions/1.js", "my%20view%23_motions/2.js"]
 
 
+@pytest.mark.slow
 def test_the_command_puts_motions_beside_a_large_page(
     cache_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
