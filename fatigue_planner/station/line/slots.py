@@ -59,7 +59,7 @@ class ChangeRows:
         self.size = self.placed + self.workers * (slots - 1)
 
     def constraints(self) -> list[tuple[csr_array, float, float]]:
-        """Each worker is at one place, each station has one worker, who goes elsewhere is changed; (rows, low, high)."""
+        """Each worker is at one place, each station has one worker, who moves is changed; (rows, low, high)."""
         slot = np.arange(self.slots)
         at_worker, at_place = [np.add.outer(self.pairs[:, axis] * self.slots, slot).ravel() for axis in (0, 1)]
         column = np.arange(self.placed)
