@@ -192,8 +192,8 @@ def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: s
             f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
         )
     profiles = load_cycle_profiles(loaded, cache, command)
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
+    warn(omissions(loaded, profiles, profiles.ruled_out))
+    possible = without_infeasible(loaded, profiles, profiles.ruled_out)
     return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
 
 
@@ -258,7 +258,7 @@ def recover(
     as_json: options.Json = False,
 ) -> None:
     """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
-    from fatigue_planner.live.journal_file import recover
+    from fatigue_planner.live.recovery import recover
 
     events = recover(journal, into, from_cycle)
     options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)

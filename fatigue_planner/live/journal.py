@@ -17,6 +17,7 @@ from fatigue_planner.core.errors import OutputFolderError
 from fatigue_planner.core.text import counted
 from fatigue_planner.live.events import Event
 from fatigue_planner.live.journal_file import Stored, body_of, create, lock, pseudonyms, read_journal
+from fatigue_planner.live.realtime import work_beside
 
 # A process that was killed is started again so often; one whose commit has failed is not.
 MAX_RESTARTS = 3
@@ -137,6 +138,7 @@ class Journal:
 
     def _pump(self) -> None:
         """Hand over what has been queued, all that is there at a time, and wait until it is durable."""
+        work_beside()
         running = self._acknowledged()
         while running:
             batch = [self._queue.get()]

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.core.random_streams import random_stream
+from fatigue_planner.live.realtime import work_beside
 from fatigue_planner.live.search_process import plain, sized
 from fatigue_planner.live.shift import Choice
 from fatigue_planner.planners.policy import PolicySettings
@@ -95,6 +96,7 @@ class Searcher:
         self._end()
 
     def _work(self) -> None:
+        work_beside()
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting or not self._is_open)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from fatigue_planner.live.events import Observed
+from fatigue_planner.live.realtime import collect_young, work_beside
 from fatigue_planner.live.searcher import Task
 from fatigue_planner.live.shift import Adviser, Choice, Shift
 from fatigue_planner.pomdp.beliefs.belief import Belief
@@ -87,6 +88,7 @@ class Table:
         self._thread.join()
 
     def _work(self) -> None:
+        work_beside()
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._is_todo() or not self._is_open)
@@ -110,6 +112,7 @@ class Table:
             if self._is_looking:
                 self._search(found)
                 self.look()
+                collect_young()
                 with self._changed:
                     self._is_looking = False
                     self._changed.notify_all()

@@ -116,8 +116,11 @@ class RobotSettings(Settings):
             raise ValueError(f"should be one of {listed(shipped_arms())}, or the path of a .urdf file")
         return arm
 
-    def flange_targets(self, action: Action) -> Vector:
-        """Where the flange has to be for an action, (n, 4, 4): at every waypoint, between the hands where two work."""
+    def flange_targets(self, action: Action) -> tuple[Vector, Vector]:
+        """When in s of the work the flange has to be where for an action: times (n,) and frames (n, 4, 4).
+
+        At every waypoint, between the hands where two work.
+        """
         paths = [goal.path() for goal in action.goals().values()]
         times_s = np.unique([point.work_time_s for path in paths for point in path])
         fists = np.zeros((times_s.size, 3))
@@ -125,8 +128,12 @@ class RobotSettings(Settings):
             points = np.array([point.position_m.vector() for point in path])
             own_s = [point.work_time_s for point in path]
             fists += np.array([np.interp(times_s, own_s, points[:, axis]) for axis in range(3)]).T / len(paths)
-        z = self.hold.direction.unit()
-        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else np.array([1.0, 0.0, 0.0])
+        return times_s, self.flanges_at(fists)
+
+    def flanges_at(self, fists: Vector, turned_rad: float = 0.0) -> Vector:
+        """The flange (n, 4, 4) for fists at (n, 3) m, for workers who are turned by so much to the left."""
+        z = _turned(self.hold.direction.unit(), turned_rad)
+        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else _turned(np.array([1.0, 0, 0]), turned_rad)
         x = up - (up @ z) * z
         x /= np.linalg.norm(x)
         turn = np.radians(self.hold.roll_deg or 0.0)
@@ -135,3 +142,11 @@ class RobotSettings(Settings):
         targets[:, :3, :3] = np.column_stack([x, np.cross(z, x), z])
         targets[:, :3, 3] = fists - self.hold.distance_m * z
         return targets
+
+
+def _turned(vector: Vector, angle_rad: float) -> Vector:
+    """A vector (3,), turned about the vertical."""
+    if angle_rad == 0:
+        return vector
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])

@@ -40,6 +40,7 @@ from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.motion.verification import measure
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.recordings.imports.subject import load_subject
 from fatigue_planner.recordings.mapping import load_mapping
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.study.claims.loader import load_claims
@@ -193,6 +194,9 @@ def understand(snippet: Snippet, path: Path) -> None:
     content = yaml.safe_load(text)
     if "distributed" in content:  # Dask's settings
         assert content["distributed"]["comm"]["require-encryption"] is True
+    elif "height_m" in content:
+        path.write_text(text, encoding="utf-8")
+        load_subject(path)
     elif "landmarks" in content:
         path.write_text(text, encoding="utf-8")
         load_mapping(str(path))

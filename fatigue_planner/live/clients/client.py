@@ -5,6 +5,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
+from typing import Any
 
 from fatigue_planner.core.errors import FaceRefusedError, FaceUnreachableError, SelectionError
 from fatigue_planner.live.clients.connection import Address, Answer, Connection, Watch
@@ -19,11 +20,13 @@ class Client(ABC):
     """A process of its own that follows a shift: `look` is called after every change of the state, and regularly.
 
     ignored: by reason, how often something was not believed. say: where messages go, each once per reason in a row.
+    state: what the face said last, as `SessionState`.
     """
 
     def __init__(self, address: Address, say: Callable[[str], None]) -> None:
         self.connection = Connection(address, PATIENCE_S)
         self.ignored: Counter[str] = Counter()
+        self.state: dict[str, Any] = {}
         self._watch, self._tell, self._said = Watch(address), say, ""
 
     @abstractmethod
@@ -44,21 +47,22 @@ class Client(ABC):
         Raises SelectionError if it is a rehearsal, or has actions that the client does not know.
         """
         self._watch.start()
-        number, checked, answered_s = 0, False, time.monotonic()
+        number, answered_s = 0, time.monotonic()
+        checked: object = None
         try:
             while not stop.is_set():
                 number, state = self._watch.newest(number, LOOK_EVERY_S)
                 if state is None:
-                    checked = False  # another may come in its place
                     if time.monotonic() - answered_s > PATIENCE_S:
                         self.say("the face does not answer")
                     continue
-                answered_s = time.monotonic()
-                if not checked:
-                    if state.get("rehearsal"):
-                        raise SelectionError("the shift is a rehearsal; no device takes part in it.")
-                    self.check(tuple(state["actions"]), tuple(state["reactions"]))
-                    checked = True
+                answered_s, self.state = time.monotonic(), state
+                if state["rehearsal"]:
+                    raise SelectionError("the shift is a rehearsal; no device takes part in it.")
+                names = tuple(state["actions"]), tuple(state["reactions"])
+                if names != checked:  # another shift may have come in its place
+                    self.check(*names)
+                    checked = names
                 if state["action"] is None:
                     self.tell("decide")  # and another state comes
                 else:
