@@ -60,7 +60,7 @@ def import_(
     from fatigue_planner.recordings.check import Checked, read_recording
     from fatigue_planner.recordings.formats.registry import Choices
     from fatigue_planner.recordings.imports.imported import import_recording
-    from fatigue_planner.recordings.imports.subject import load_subject, static_file, worker_of
+    from fatigue_planner.recordings.imports.subject import load_subject, static_files, worker_of
     from fatigue_planner.recordings.inference.finding import Given
     from fatigue_planner.recordings.mapping import load_mapping
 
@@ -71,8 +71,8 @@ def import_(
     given = Given(units, up, rate, prefix, mapping)  # what the plates show beside the body is told of each phase
     choices = Choices(reader, None if angles is None else angles == "deg")
     form, found = read_recording(*files, given=given, choices=choices)
-    static = static_file(subject, person)
-    still = None if static is None else read_recording(static, given=given, choices=choices)[1]
+    static = static_files(subject, person)
+    still = read_recording(*static, given=given, choices=choices)[1] if static else None
     try:
         made = import_recording(request.name, request.motion, found, still, _times(phases), plate_lag)
     except RecordingError as error:

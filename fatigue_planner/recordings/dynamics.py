@@ -1,7 +1,7 @@
 """From postures to torques: one smoother for motion and plates, inverse dynamics, and what is left of the wrench."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from fatigue_planner.core.errors import RecordingError
-from fatigue_planner.human.multibody import BASE_DOF
+from fatigue_planner.human.multibody import BASE_DOF, GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.recordings.kinematics.measured import Measured
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
@@ -22,6 +23,8 @@ CUTOFF_HZ, ORDER = 6.0, 2
 LEAST_N, REACH_M = 20.0, 0.25
 # Where nobody measured: the moment's lever in a sole, and how much higher a foot in the air is (assumed).
 LEVER_M, RAISED_M = 0.05, 0.03
+# Plates that carry somebody in a static trial show his weight to within this share (assumed).
+CARRIED_SHARE, STEP_M = 0.05, 0.01
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,28 @@ def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[Ground
         residual[n, :3], residual[n, 3:] = turn @ found[:3], turn @ found[3:6]
     residual = residual if ground else np.full_like(residual, np.nan)
     return Torques(torque, residual[:, :3], residual[:, 3:], foot)
+
+
+def balanced(person: Measured, motion: Movement, ground: Sequence[GroundForce]) -> Measured:
+    """The person with the masses above the pelvis as far forward as plates say in a static trial (at its frames).
+
+    As residual reduction (OpenSim's RRA) moves the torso's centre of mass, but from somebody who stands still, so that
+    no motion is fitted to what it is to be judged by. Raises RecordingError if the plates do not carry him.
+    """
+    weight = person.mass_kg * GRAVITY_MPS2
+    carried = float(np.mean(np.sum([plate.force_n[:, 2] for plate in ground], axis=0)))
+    if not abs(carried / weight - 1) < CARRIED_SHARE:
+        raise RecordingError(
+            f"the plates carry {carried:.0f} N in the static trial, not the person's {weight:.0f} N; it says nothing "
+            "of where his mass is."
+        )
+
+    def pitch_nm(forward_m: float) -> float:
+        model = replace(person, trunk_forward_m=forward_m).model()
+        return float(inverse_dynamics(model, motion, ground).residual_moment_nm[:, 1].mean())
+
+    at, before = pitch_nm(0.0), pitch_nm(STEP_M)
+    return replace(person, trunk_forward_m=STEP_M * at / (at - before))
 
 
 def _shared(needed: pin.Force, soles_m: Vector) -> list[pin.Force]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import BODIES, JOINTS, SIDES
 from fatigue_planner.motion.minimum_jerk import Pose
-from fatigue_planner.output.viewer.body_shapes import body_shapes
+from fatigue_planner.output.viewer.body_shapes import body_shapes, capsule_shape
 from fatigue_planner.output.viewer.motion_clip import Instant, MotionClip
 
 Vector = NDArray[np.float64]
@@ -21,6 +21,7 @@ Colour = tuple[int, int, int]
 BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE = (
     (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
 )  # fmt: skip
+ROBOT = (62, 84, 106)
 OPACITY = 0.4  # so that joints, centre of mass and forces are seen through the body
 METRES_PER_NEWTON = 1e-3  # of the forces on the feet, some hundred N
 METRES_PER_NEWTON_ON_A_HAND = 5e-3
@@ -70,6 +71,7 @@ class Scene:
             for i in range(len(clip.objects))
         ]
         _place(objects, clip.objects)
+        self._robot = _robot_nodes(scene, clip)
         self._centre = scene.add_icosphere("/centre_of_mass/centre", 0.035, color=CENTRE)
         self._plumb = scene.add_icosphere("/centre_of_mass/plumb", 0.018, color=CENTRE)
         self._forces = [
@@ -94,6 +96,9 @@ class Scene:
             handle.position = _rounded(instant.positions[BODIES.index(joint.child)])
             handle.color = load_colour(instant.joint_share[joint.name])
         _place(self._tools, instant.tools)
+        for waypoint, parts in enumerate(self._robot if len(self._robot) > 1 else ()):
+            for part in parts:
+                part.visible = waypoint == clip.robot_waypoint(tick)
         self._centre.position = _rounded(instant.centre_of_mass_m)
         self._plumb.position = _rounded(instant.centre_of_mass_m * [1, 1, 0])
         for node, arrow in zip(self._forces, force_arrows(instant), strict=True):
@@ -101,6 +106,20 @@ class Scene:
             node.visible = bool((arrow[0] != arrow[1]).any())
         self._soles.points = sole_outlines(clip.human, instant)
         self._label.text = f"{clip.phase(tick)}, {tick * clip.motion.time_step_s:.1f} s"
+
+
+def _robot_nodes(scene: viser.SceneApi, clip: MotionClip) -> list[list[viser.MeshHandle]]:
+    """The robot's capsules at each of its waypoints, if there is one."""
+    if clip.robot is None:
+        return []
+    nodes = []
+    for waypoint in range(len(clip.robot.times_s)):
+        shapes = [capsule_shape(ends, radius) for ends, radius in zip(*clip.robot.parts(waypoint), strict=True)]
+        nodes.append([
+            scene.add_mesh_simple(f"/robot/{waypoint}/{i}", shape.vertices, shape.faces, color=ROBOT, cast_shadow=False)
+            for i, shape in enumerate(shapes)
+        ])  # fmt: skip
+    return nodes
 
 
 def force_arrows(instant: Instant) -> NDArray[np.float32]:

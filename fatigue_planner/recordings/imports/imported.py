@@ -225,9 +225,8 @@ def _remarks(
         return remarks
     soles = contacts.soles_m(person, movement.configuration)
     remarks += contacts.plate_remarks(ground, torques, contacts.planted(soles))
-    weight = person.mass_kg * GRAVITY_MPS2
     shown = np.sum([plate.force_n[:, 2] for plate in ground], axis=0)
-    lag = contacts.lag_s(shown, shown + torques.residual_force_n[:, 2], movement.rate_hz, weight)
+    lag = contacts.lag_s(shown, shown + torques.residual_force_n[:, 2], movement.rate_hz)
     if lag is not None and abs(lag) > max(contacts.LEAST_LAG_S, 0.5 / movement.rate_hz):
         remarks.append(
             Remark(

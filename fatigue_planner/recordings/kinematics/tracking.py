@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from fatigue_planner.human.skeleton import BODIES
+from fatigue_planner.human.joint_data import position_limits
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 from fatigue_planner.recordings.inference.gaps import BRIDGED_S
 from fatigue_planner.recordings.kinematics.calibration import Calibration, first_root
 from fatigue_planner.recordings.kinematics.frame_fit import fit_frames
@@ -53,6 +55,8 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
     bridged, count = _bridged(points_m, rate_hz)
     start = np.concatenate([first_root(markers, bridged[_first(bridged)]), calibration.stance])
     configuration, distance = fit_frames(calibration.problem(markers), start, bridged)
+    if not {"neck", "head"} & set(markers.bodies):
+        configuration = _looking_ahead(calibration, configuration)
     distance[~np.isfinite(points_m).all(axis=2)] = np.nan
     seen = np.asarray(np.isfinite(bridged).all(axis=2))
     unseen = {
@@ -61,6 +65,23 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
         if body in markers.bodies
     }
     return Track(rate_hz, configuration, markers.labels, distance, count, unseen)
+
+
+def _looking_ahead(calibration: Calibration, configuration: Vector) -> Vector:
+    """With an unmarked head upright, as far as neck and head go: people keep it so while the trunk leans (Pozzo 1990).
+
+    It is turned to where the chest is; both joints take half of what the trunk leans.
+    """
+    own = configuration.copy()
+    turn = poses_of(tree_of(calibration.person), own).rotation[:, BODIES.index("thorax")]
+    # turn = Rz(heading) Ry(lean) Rx(side), which head and neck undo
+    lean, side = -np.arcsin(np.clip(turn[:, 2, 0], -1, 1)), np.arctan2(turn[:, 2, 1], turn[:, 2, 2])
+    lower, upper = position_limits()
+    for way, off in (("flexion", lean), ("lateral", side)):
+        neck, head = (DEGREES_OF_FREEDOM.index(f"{part}_{way}") for part in ("neck", "head"))
+        own[:, 7 + head] = np.clip(-off / 2, lower[head], upper[head])
+        own[:, 7 + neck] = np.clip(-off - own[:, 7 + head], lower[neck], upper[neck])
+    return own
 
 
 def longest_run(flags: Any) -> int:
