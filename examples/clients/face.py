@@ -1,7 +1,9 @@
 """What every client needs: a call of the face. Python's standard library only, so it runs in any environment."""
 
+import http.client
 import json
 import os
+import sys
 import urllib.request
 from pathlib import Path
 from typing import Any
@@ -16,3 +18,12 @@ def ask(call: str, **said: Any) -> Any:
     request = urllib.request.Request(f"{SERVER}/v1/{call}", json.dumps(said).encode(), headers)
     with urllib.request.urlopen(request, timeout=5) as answer:
         return json.load(answer)
+
+
+def tried(call: str, **said: Any) -> Any:
+    """The same for a program that must go on: None for what is refused or not answered, and a line that says why."""
+    try:
+        return ask(call, **said)
+    except (OSError, ValueError, http.client.HTTPException) as error:
+        print(f"{call}: {error}", file=sys.stderr)
+        return None

@@ -4,7 +4,7 @@ import asyncio
 import os
 
 from asyncua import Client
-from face import ask
+from face import tried
 
 URL = os.environ.get("OPC_UA_URL", "opc.tcp://192.0.2.10:4840")
 NAMESPACE = "ns=2;s=fatplan."
@@ -17,17 +17,19 @@ async def follow(plc: Client) -> None:
     nodes = {name: plc.get_node(NAMESPACE + name) for name in ("pose", "cycle", "executed", "seen", "ended_cycle")}
     names = {number: name for name, number in POSES.items()}
     while True:
-        decision = ask("decide")
+        await asyncio.sleep(0.1)
+        decision = tried("decide")
+        if not decision or decision["action"] not in POSES:
+            continue  # the PLC has a default pose of its own
         await nodes["pose"].write_value(POSES[decision["action"]])
         await nodes["cycle"].write_value(decision["cycle"])  # last: the PLC waits for a new number
         if await nodes["ended_cycle"].read_value() == decision["cycle"]:
             done, seen = [await nodes[name].read_value() for name in ("executed", "seen")]
             if done in names:
                 said = {"observation": REACTIONS[seen]} if seen in REACTIONS else {}
-                ask("observe", cycle=decision["cycle"], executed=names[done], **said)
+                tried("observe", cycle=decision["cycle"], executed=names[done], **said)
             else:
-                ask("skip", cycle=decision["cycle"])
-        await asyncio.sleep(0.1)
+                tried("skip", cycle=decision["cycle"])
 
 
 async def main() -> None:

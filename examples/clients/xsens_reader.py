@@ -7,7 +7,7 @@ import socket
 import time
 
 import numpy as np
-from face import ask
+from face import tried
 
 HEADER_BYTES, SEGMENT = 24, np.dtype([("id", ">i4"), ("position_m", ">f4", 3), ("quaternion", ">f4", 4)])
 PELVIS, T8 = 1, 5
@@ -26,16 +26,17 @@ def trunk_deg(datagram: bytes) -> float | None:
 
 def follow(datagrams: socket.socket) -> None:
     """Watch cycle after cycle; the robot asks for the next one, and what was seen of the last is told late."""
-    cycle, most_deg, asked_s = ask("decide")["cycle"], None, time.monotonic()
+    cycle, most_deg, asked_s = 0, None, 0.0  # it is within no cycle yet
     while True:
         lean_deg = trunk_deg(datagrams.recv(2048))
         if lean_deg is not None:
             most_deg = max(lean_deg, most_deg or 0.0)
         if time.monotonic() - asked_s > 0.5:
-            now, asked_s = ask("decide")["cycle"], time.monotonic()
-            if now == cycle + 1 and most_deg is not None:
+            decision, asked_s = tried("decide"), time.monotonic()
+            now = decision["cycle"] if decision else cycle
+            if now == cycle + 1 > 1 and most_deg is not None:
                 back = float(np.clip((most_deg - STRAIGHT_DEG) / (BENT_DEG - STRAIGHT_DEG), 0.05, 0.95))
-                ask("observe", cycle=cycle, likelihood={"back": back, "arm": 1 - back})
+                tried("observe", cycle=cycle, likelihood={"back": back, "arm": 1 - back})
             if now != cycle:
                 cycle, most_deg = now, None
 

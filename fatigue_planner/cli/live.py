@@ -258,7 +258,7 @@ def recover(
     as_json: options.Json = False,
 ) -> None:
     """Copy what is intact of a damaged JOURNAL, from its beginning, to a NEW one, with which a shift can go on."""
-    from fatigue_planner.live.journal_file import recover
+    from fatigue_planner.live.recovery import recover
 
     events = recover(journal, into, from_cycle)
     options.present({"file": into, "events": len(events)}, f"{into}: {counted(len(events), 'event')}.", as_json)

@@ -87,6 +87,7 @@ def lines(state: "SessionState | None", old_s: float) -> list[str]:
     shown += [
         f"not seen {counts.unseen} ({counts.unseen_in_a_row} in a row)   late {counts.late}   fallback "
         f"{counts.fallback}   other pose {counts.other_actions}   last cycle ended {state.since_s:.0f} s ago",
+        f"model: {'fits' if state.fits else 'does not fit'}, {surprises(state)}" if state.advised else "model: off",
         "",
         f"{'joint and direction':34}{'fatigue, 90 % interval':26}load dose, last hour",
     ]
@@ -118,11 +119,16 @@ def troubles(state: "SessionState") -> list[str]:
         "rehearsal: the worker and the time are simulated": state.rehearsal,
         "the robot does not say what it does": state.robot == "unreachable",
         f"not recorded: {state.fault}": state.fault,
-        f"not seen for {state.counts.unseen_in_a_row} cycles": state.counts.unseen_in_a_row >= 3,
+        f"degraded: not seen for {counted(state.counts.unseen_in_a_row, 'cycle')}": state.degraded,
         f"fallback: {state.fallback}": state.fallback != "none",
-        "the model does not fit this worker": not state.fits,
+        f"the model does not fit this worker: {surprises(state)}": not state.fits,
     }
     return [text for text, is_so in found.items() if is_so]
+
+
+def surprises(state: "SessionState") -> str:
+    """How well the model explains what is seen of this worker."""
+    return f"{counted(state.surprises, 'surprise')} in the last {counted(state.judged, 'cycle')} that were seen"
 
 
 def named(entry: str) -> str:

@@ -68,6 +68,7 @@ class Opened(Settings):
     off: tuple[str, ...] = ()  # workers who wanted no belief about them in the segments before
     experiment: str = ""
     cache: str = ""
+    planned_s: float | None = None  # duration of a cycle; None in older journals
 
 
 class Resumed(Settings):
@@ -182,24 +183,26 @@ class Observed(Settings):
 
 
 class Skipped(Settings):
-    """A cycle in which the worker did nothing, of so many seconds."""
+    """A cycle in which the worker did nothing, of so many seconds; off: see `Observed`, and how long is not kept."""
 
     kind: Literal["skipped"] = "skipped"
     cycle: Cycle
     duration_s: Seconds
+    off: bool = False
 
 
 class Rested(Settings):
-    """A pause between two cycles."""
+    """A pause between two cycles. key: names it, so that it can be said again."""
 
     kind: Literal["rested"] = "rested"
     seconds: Seconds
+    key: str | None = None
 
 
 class WorkerChanged(Settings):
     """Another worker, by a random number that the erasable table joins to a pseudonym.
 
-    away_s: how long a worker who was here before has been away; None for a new one.
+    away_s: how long a worker who was here before has been away; None for a new one, or one who wants no belief.
     """
 
     kind: Literal["worker_changed"] = "worker_changed"

@@ -32,8 +32,13 @@ class Fit:
 
     @property
     def surprises(self) -> int:
-        """Of this worker's last WINDOW cycles, the number of surprises."""
+        """Of the cycles that are judged, the number of surprises."""
         return sum(self._recent.get(self._worker, ()))
+
+    @property
+    def judged(self) -> int:
+        """How many cycles are judged: this worker's last ones of which something was seen, WINDOW at most."""
+        return len(self._recent.get(self._worker, ()))
 
     @property
     def holds(self) -> bool:

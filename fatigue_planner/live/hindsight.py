@@ -53,10 +53,22 @@ class Hindsight:
     others: dict[str, Vector]
 
     def saving(self, plan: str) -> tuple[float, float, float]:
-        """What was followed saved of a plan's cost, as a fraction: by means, and the middle 90 % of the workers."""
+        """What was followed saved of a plan's cost, as a fraction: by means, and the middle 90 % of the workers.
+
+        Of nothing nothing is saved; minus infinity: it cost something, and the plan would have cost nothing.
+        """
         other = self.others[plan]
-        low, high = np.quantile(1 - self.followed / other, [0.05, 0.95])
-        return float(1 - self.followed.mean() / other.mean()), float(low), float(high)
+        shares = _saved(self.followed, other)
+        # between infinite values nothing can be interpolated
+        low, high = np.quantile(shares, [0.05, 0.95], method="linear" if np.isfinite(shares).all() else "nearest")
+        (mean,) = _saved(self.followed.mean(keepdims=True), other.mean(keepdims=True))
+        return float(mean), float(low), float(high)
+
+
+def _saved(followed: Vector, other: Vector) -> Vector:
+    """Of other costs (n,), the fraction that was saved; see `Hindsight.saving`."""
+    nothing = np.where(followed > 0, -np.inf, 0.0)
+    return np.where(other > 0, 1 - followed / np.where(other > 0, other, 1.0), nothing)
 
 
 def hindsight(stretches: Sequence[Stretch], shift: Shift, plans: Sequence[Plan]) -> Hindsight:

@@ -18,14 +18,13 @@ from pathlib import Path
 from urllib.parse import quote
 
 from fatigue_planner.core.errors import (
-    CycleError,
     DamagedJournalError,
     JournalInUseError,
     OtherVersionError,
     OutputFolderError,
 )
-from fatigue_planner.core.files import canonical_json, publish
-from fatigue_planner.live.events import ANY_EVENT, FORMAT, Event, Observed, Opened, Recovered, Skipped
+from fatigue_planner.core.files import canonical_json
+from fatigue_planner.live.events import ANY_EVENT, FORMAT, Event, Observed, Opened, Skipped
 
 SCHEMA = """
 CREATE TABLE IF NOT EXISTS event (
@@ -97,46 +96,9 @@ def read_journal(path: Path) -> list[Stored]:
     Raises DamagedJournalError if they are not what was written, with what is still intact; OtherVersionError for a
     journal of another version; OutputFolderError if there is none.
     """
-    events, fault = _intact(path)
+    events, fault = intact(path)
     if fault:
         raise DamagedJournalError(fault)
-    return events
-
-
-def recover(path: Path, into: Path, from_cycle: int | None = None) -> list[Stored]:
-    """Copy what is intact of a damaged journal, from its beginning, to a new one, and note that; the events copied.
-
-    from_cycle: the cycle to go on with, of the shift that was opened last; by default the one after the last intact.
-
-    Raises OutputFolderError if the new one is there or cannot be written, or the old one is no journal; CycleError if
-    it is not intact so far.
-    """
-    events, _ = _intact(path)
-    if into.exists():
-        raise OutputFolderError(f"{into}: is there already; choose another name.")
-    intact, last = len(events), _last_cycle(events)
-    cycle = last + 1 if from_cycle is None else from_cycle
-    if not 1 <= cycle <= last + 1:
-        raise CycleError(f"cycle {cycle}: cannot be gone on with; the journal is intact up to cycle {last}.")
-    if cycle <= last:
-        events = events[: _before_the_end_of(events, cycle)]
-    workers: dict[str, str] = {}
-    with suppress(DamagedJournalError):
-        workers = pseudonyms(path) if events else {}
-
-    def write(temporary: Path) -> None:
-        create(temporary)
-        with closing(connect(temporary)) as connection:
-            rows = [(one.number, one.seconds, one.utc, body_of(one.event)) for one in events]
-            if rows:
-                note = Recovered(intact=intact, kept=len(rows), cycle=cycle)
-                rows.append((len(rows), *rows[-1][1:3], body_of(note)))
-            append(connection, BEGINNING, rows)
-            connection.executemany("INSERT INTO worker VALUES (?, ?)", workers.items())
-            connection.execute("PRAGMA journal_mode = DELETE")
-
-    publish(into, write)
-    into.chmod(0o600)
     return events
 
 
@@ -182,13 +144,32 @@ def pseudonyms(path: Path) -> dict[str, str]:
 def erase(path: Path, pseudonym: str) -> bool:
     """Erase what joins a worker's events to a pseudonym; whether there was such a worker.
 
-    No byte of the pseudonym is left in the journal's files. Raises JournalInUseError while a session writes it, and
-    what `read_journal` raises.
+    No byte of the pseudonym is left in the journal's files; whether its events are intact does not matter. Raises
+    JournalInUseError while a session writes it, DamagedJournalError if bytes may be left, OutputFolderError if there is
+    no such journal.
     """
-    read_journal(path)
-    with lock(path), closing(connect(path)) as connection:
+    with suppress(OtherVersionError):  # its table of pseudonyms is the same
+        intact(path)
+    with lock(path):
+        try:
+            return _erased(path, pseudonym)
+        except sqlite3.Error as error:
+            raise DamagedJournalError(
+                f"{path}: the file is damaged where it holds pseudonyms ({error}), which cannot be erased one by one. "
+                f"`fatplan live recover {path} NEW` makes a journal of what is intact; then remove this file."
+            ) from error
+
+
+def _erased(path: Path, pseudonym: str) -> bool:
+    """Whether there was such a worker, who is erased now. Raises sqlite3.Error if bytes may be left."""
+    with closing(connect(path)) as connection:
         erased = connection.execute("DELETE FROM worker WHERE pseudonym = ?", (pseudonym,)).rowcount > 0
-        connection.execute("VACUUM")
+        try:
+            connection.execute("VACUUM")
+        except sqlite3.DatabaseError:  # pages of events are damaged; what was deleted has been overwritten
+            connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            if pseudonym.encode() in path.read_bytes():
+                raise
         connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
     return erased
 
@@ -224,7 +205,7 @@ def _lives(holder: str) -> bool:
     return number is None or Path(f"/proc/{number[1]}").exists() or not Path("/proc").is_dir()
 
 
-def _intact(path: Path) -> tuple[list[Stored], str]:
+def intact(path: Path) -> tuple[list[Stored], str]:
     """The events from the beginning that are what was written, and what is wrong after them."""
     if not path.is_file():
         raise OutputFolderError(f"{path}: there is no such journal.")
@@ -251,7 +232,7 @@ def _intact(path: Path) -> tuple[list[Stored], str]:
     return events, ""
 
 
-def _last_cycle(events: list[Stored]) -> int:
+def last_cycle(events: list[Stored]) -> int:
     """The last cycle of the shift that was opened last."""
     last = 0
     for one in events:
@@ -262,23 +243,10 @@ def _last_cycle(events: list[Stored]) -> int:
     return last
 
 
-def _before_the_end_of(events: list[Stored], cycle: int) -> int:
-    """How many events there are before the end of a cycle of the shift that was opened last."""
-    number = len(events)
-    while number > 0 and not isinstance(events[number - 1].event, Opened):
-        number -= 1
-    while number < len(events):
-        event = events[number].event
-        if isinstance(event, Observed | Skipped) and event.cycle == cycle:
-            break
-        number += 1
-    return number
-
-
 def _damage(path: Path, events: list[Stored]) -> str:
     return (
         f"{path}: event {len(events)} is not what was written; the file was altered or damaged. Intact are "
-        f"{len(events)} events, up to cycle {_last_cycle(events)}. Nothing was changed. "
+        f"{len(events)} events, up to cycle {last_cycle(events)}. Nothing was changed. "
         f"`fatplan live recover {path} NEW` copies them to a new journal, with which to go on; "
         "--from CYCLE goes on with an earlier cycle."
     )

@@ -52,6 +52,7 @@ def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock, al
         alarms=alarms,
         rehearsal=clock.is_rehearsal(),
         parts=parts(scenario),
+        planned_s=None if scenario.model.timing is None else scenario.model.timing.cycle_s,
         sources={name: digest_of_package(name) for name in SOURCES},
     )
 

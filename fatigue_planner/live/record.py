@@ -101,15 +101,15 @@ class Segment:
             if isinstance(step.event, Observed | Skipped)
         ]  # fmt: skip
 
-    def pauses(self) -> list[Pause]:
-        """The rests, in order, of whatever kind."""
+    def pauses(self, planned_s: float) -> list[Pause]:
+        """The rests, in order, of whatever kind; a cycle took as long as planned where nothing else was said."""
         found = []
         for worker, step in self.by_worker():
             match step.event:
                 case Rested(seconds=seconds) if seconds > 0:
                     found.append(Pause(worker, step.at_s, seconds, "said"))
                 case Observed(idle_s=seconds, duration_s=took_s) if seconds > 0:
-                    found.append(Pause(worker, step.at_s - (took_s or 0.0), seconds, "clock"))
+                    found.append(Pause(worker, step.at_s - (planned_s if took_s is None else took_s), seconds, "clock"))
                 case WorkerChanged(away_s=float(seconds)) if seconds > 0:
                     found.append(Pause(worker, step.at_s, seconds, "away"))
         return found

@@ -1,6 +1,7 @@
 """Checks of what is said to a session: nothing that is no observation, time or pseudonym changes anything."""
 
 import math
+import re
 from collections.abc import Mapping
 
 from fatigue_planner.core.errors import CycleError, EvidenceError, SelectionError, listed, shortened
@@ -10,6 +11,7 @@ from fatigue_planner.pomdp.problem import Pomdp
 
 MAX_PSEUDONYM_LENGTH = 64
 MAX_UNSEEN_LIMIT = 10_000
+KEY = re.compile(r"[0-9A-Za-z._-]{1,40}")
 
 
 def check_cycle(cycle: object, shift: Shift) -> None:
@@ -60,6 +62,15 @@ def seconds(name: str, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= MAX_SECONDS:
         raise EvidenceError(f"{name} {shortened(value)}: should be a number of seconds from 0 to {MAX_SECONDS:.0f}.")
     return float(value)
+
+
+def key(given: object) -> str | None:
+    """What names a pause, None: nothing does. Raises EvidenceError."""
+    if given is not None and not (isinstance(given, str) and KEY.fullmatch(given)):
+        raise EvidenceError(
+            f"key {shortened(given)}: should be a text of 1 to 40 letters, digits and ._- that names a pause."
+        )
+    return given
 
 
 def likelihoods(given: object, outcomes: tuple[str, ...]) -> dict[str, float]:

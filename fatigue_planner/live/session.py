@@ -133,6 +133,7 @@ class Session:
         # by the clock: when the last cycle or pause ended, and when that was of workers who are away
         self._ended_s = clock.seconds()
         self._left_s: dict[str, float] = {}
+        self._rests: dict[str, float] = {}  # pauses that have a name
         self.counts = Counts()
 
     @classmethod
@@ -296,13 +297,23 @@ class Session:
                 return self._decided(began)
             passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
             seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
-            self._end(Skipped(cycle=self._shift.cycle, duration_s=seconds))
+            off = not self._shift.advised
+            self._end(Skipped(cycle=self._shift.cycle, duration_s=0.0 if off else seconds, off=off))
             return self._decided(began)
 
-    def rest(self, seconds: float) -> CycleDecision:
-        """A pause of so many seconds before this cycle; the decision, which is made anew."""
+    def rest(self, seconds: float, key: str | None = None) -> CycleDecision:
+        """A pause of so many seconds before this cycle; the decision, which is made anew.
+
+        key: a text that names this pause and nobody; with it, what is said again changes nothing. Of a worker who wants
+        no belief about him no pause is kept. Raises ContradictionError if that pause was said to be of another length.
+        """
         with self._turn() as began:
-            self._take(Rested(seconds=said.seconds("seconds", seconds)))
+            event = Rested(seconds=said.seconds("seconds", seconds), key=said.key(key))
+            before_s = None if event.key is None else self._rests.get(event.key)
+            if before_s is not None and before_s != event.seconds:
+                self._contradict(event, f"the pause {event.key} was said to be of {before_s:g} s before")
+            if before_s is None and self._shift.advised:
+                self._take(event)
             return self._decided(began)
 
     def worker(self, pseudonym: str) -> CycleDecision:
@@ -314,7 +325,7 @@ class Session:
                 random = secrets.token_hex(8)
                 self._journal.join(random, pseudonym)
             if random != self._shift.worker:
-                left_s = self._left_s.get(random)
+                left_s = None if self._shift.is_off(random) else self._left_s.get(random)
                 away_s = None if left_s is None else min(max(self._clock.seconds() - left_s, 0.0), MAX_SECONDS)
                 self._take(WorkerChanged(worker=random, away_s=away_s))
             return self._decided(began)
@@ -408,6 +419,7 @@ class Session:
                 reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
                 surprises=self._fit.surprises,
+                judged=self._fit.judged,
                 fits=self._fit.holds,
                 preferences=self._shift.scenario.model.outcomes,
                 executed=None if self._told is None else self._told.action,
@@ -515,9 +527,10 @@ class Session:
             return "unreachable"
         return "answers" if self._robot_cycle else "unknown"
 
-    def _contradict(self, event: Observed | Executed, why: str) -> NoReturn:
-        self._tell(Contradicted(cycle=event.cycle, said=body_of(event)))
-        raise ContradictionError(f"cycle {event.cycle}: {why}; the first stands.")
+    def _contradict(self, event: Observed | Executed | Rested, why: str) -> NoReturn:
+        cycle = self._shift.cycle if isinstance(event, Rested) else event.cycle
+        self._tell(Contradicted(cycle=cycle, said=body_of(event)))
+        raise ContradictionError(f"cycle {cycle}: {why}; the first stands.")
 
     def _checked(
         self,
@@ -578,14 +591,14 @@ class Session:
         self._account(event, at_s, before)
         if isinstance(event, WorkerChanged):
             self._left_s[self._shift.worker] = min(self._ended_s, at_s)  # what has passed since then was rest
-        self._shift.take(event, prepared.belief if prepared else None)
-        if isinstance(event, Observed) and event.late:
-            return
+        surprised = self._shift.take(event, prepared.belief if prepared else None)
         if isinstance(event, Observed):
             unknown = event.is_unclear and UNCLEAR not in self._shift.scenario.model.observations
-            surprised = not event.off and (self._shift.belief.surprised or unknown)
+            surprised = not event.off and (surprised or unknown)
             self.counts.surprised += surprised
             self._fit.add(event, surprised)
+            if event.late:
+                return
         elif isinstance(event, WorkerChanged):
             self._fit.change(event.worker)
         if isinstance(event, Advice):
@@ -596,6 +609,8 @@ class Session:
         self._pending = None
         if self._shift.cycle >= self._coming.cycle:
             self._rules = self._coming
+        if isinstance(event, Rested) and event.key is not None:
+            self._rests[event.key] = event.seconds
         if isinstance(event, Observed | Skipped):
             self._told = None
             # the robot need not speak of a cycle in which it did nothing

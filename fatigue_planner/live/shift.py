@@ -97,26 +97,29 @@ class Shift:
         self._others: dict[str, tuple[Belief, bool]] = {}
         self._past: deque[_Past] = deque(maxlen=LATE_CYCLES)
 
-    def take(self, event: Input, after: Belief | None = None) -> None:
-        """Go on by one input, which must fit (see `recent`); the belief after it, if that is known already."""
+    def take(self, event: Input, after: Belief | None = None) -> bool:
+        """Go on by one input, which must fit (see `recent`); the belief after it, if that is known already.
+
+        Whether the model holds what was seen of a cycle impossible, also if it was told late.
+        """
         match event:
             case Observed() | Skipped() if event.cycle < self.cycle:
-                self._correct(event)
-                return
+                return self._correct(event)
             case Observed() | Skipped():
                 self._past.append(_Past(self.cycle, self.belief))
                 self.cycle += 1
             case Advice():
                 if event.on != self.advised:
                     self._switch(event.on)
-                return
+                return False
             case WorkerChanged():
                 self._change(event)
-                return
+                return False
         if self._past:
             self._past[-1].inputs.append(event)
         if self.advised:
             self.belief = self.after(self.belief, event) if after is None else after
+        return isinstance(event, Observed) and self.advised and self.belief.surprised
 
     def recent(self, cycle: int) -> Observed | Skipped | None:
         """How a cycle ended, if that may still be corrected."""
@@ -160,6 +163,10 @@ class Shift:
             return np.asarray(model.arrays.observation[matrix, :, model.observations.index(event.observation)])
         return np.ones(len(model.outcomes))
 
+    def is_off(self, worker: str) -> bool:
+        """Whether a worker wants no belief about him."""
+        return worker in self._off
+
     @property
     def planned_s(self) -> float:
         """The planned duration of a cycle."""
@@ -182,6 +189,7 @@ class Shift:
         self.worker = event.worker
         self._past.clear()
         if event.away_s is None or event.worker not in self._others:
+            self._others.pop(event.worker, None)
             self.belief, self.advised = self._newcomer(), event.worker not in self._off
         else:
             belief, self.advised = self._others.pop(event.worker)
@@ -196,18 +204,20 @@ class Shift:
             kept = ended.without_worker() if isinstance(ended, Observed) else ended
             self._past[number] = _Past(past.cycle, self.belief, [kept])
 
-    def _correct(self, event: Observed | Skipped) -> None:
-        """Derive the belief anew from the cycle on that is now known."""
+    def _correct(self, event: Observed | Skipped) -> bool:
+        """Derive the belief anew from the cycle on that is now known; whether what is known of that surprises."""
         past = list(self._past)
         first = next(number for number, one in enumerate(past) if one.cycle == event.cycle)
-        belief = past[first].belief
+        belief, surprised = past[first].belief, False
         for number in range(first, len(past)):
             inputs = [event, *past[first].inputs[1:]] if number == first else past[number].inputs
             past[number] = replace(past[number], belief=belief, inputs=inputs)
             for one in inputs:
                 belief = self.after(belief, one)
+                surprised = belief.surprised if one is event else surprised
         self._past = deque(past, LATE_CYCLES)
         self.belief = belief
+        return surprised
 
 
 def _known_beforehand(policy: Policy, belief: Belief) -> Counts | None:

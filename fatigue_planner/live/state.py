@@ -106,8 +106,8 @@ class SessionState:
     cycle or pause ended; planned_s: the duration of a cycle. joints: the most tired ones. fault: why nothing is
     recorded any more. worker: a random number. robot: whether it says what it does (`Session.executed`), unknown where
     it never has. rehearsal: time is simulated. degraded: nothing was seen of the
-    last DEGRADED_AFTER cycles. surprises: among this worker's last 50 cycles; fits: whether the model
-    fits him, see `fit`.
+    last DEGRADED_AFTER cycles. surprises: among this worker's last `judged` cycles of which something was
+    seen, late or not; fits: whether the model fits him, see `fit`.
     resumed_at: the number of the event with which the program went on; what had this or a later number before is lost.
     actions, reactions: all that can be decided and recognised, in the experiment's order; preferences: those whose
     likelihood may be said. executed: the action that the robot says it does in this cycle; None: it has not said.
@@ -133,6 +133,7 @@ class SessionState:
     reactions: tuple[str, ...] = ()
     degraded: bool = False
     surprises: int = 0
+    judged: int = 0
     fits: bool = True
     preferences: tuple[str, ...] = ()
     executed: str | None = None

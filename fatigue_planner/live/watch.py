@@ -149,7 +149,7 @@ class Watch:
             while self._lived:
                 lived = self._lived.popleft()
                 event, before = lived.event, lived.before
-                if event.idle_s and not event.late:
+                if event.idle_s:
                     before = before.rest(event.idle_s)
                 action = self._model.actions.index(event.executed)
                 chances = reaction_chances(before, action, self._likelihood(event))

@@ -92,9 +92,11 @@ class Cell:
     def shape(self, poses: Sequence[PoseReach], flanges: Vector, times_s: Vector) -> RobotShape:
         """What is seen of the robot in these poses, with its flange at (w, 4, 4), at times (w,) of the work."""
         fists = flanges[:, :3, 3] + self.settings.hold.distance_m * flanges[:, :3, 2]
+        pedestal = self.settings.base_m.pedestal()
+        pedestal[:, 0, 2] = np.minimum(PEDESTAL_RADIUS_M, pedestal[:, 1, 2])  # so that its end is not in the ground
         return RobotShape(
             np.array([pose.ends_m for pose in poses]), self.arm.chain.radius,
-            np.stack([flanges[:, :3, 3], fists], axis=1), self.settings.base_m.pedestal(), times_s,
+            np.stack([flanges[:, :3, 3], fists], axis=1), pedestal, times_s,
         )  # fmt: skip
 
     def _solved(

@@ -43,12 +43,17 @@ def test_what_is_shown(world: World) -> None:
         assert "No safety function." in shown
         assert "No news" not in shown
         assert lines(state, 7)[0] == "No news for 7 s: what is shown is old"
-        wrong = replace(state, fault="disk full", robot="unreachable", fallback="schedule", fits=False, rehearsal=False)
-        assert essence(wrong, 0).split("; ")[1:5] == [
+        assert "model: fits, 0 surprises in the last 20 cycles that were seen" in shown
+        assert "model: off" in lines(replace(state, advised=False), 0)
+        wrong = replace(state, fault="disk full", robot="unreachable", fallback="schedule", fits=False, rehearsal=False,
+                        degraded=True, surprises=11, judged=50)  # fmt: skip
+        wrong.counts.unseen_in_a_row = 3
+        assert essence(wrong, 0).split("; ")[1:6] == [
             "the robot does not say what it does",
             "not recorded: disk full",
+            "degraded: not seen for 3 cycles",
             "fallback: schedule",
-            "the model does not fit this worker",
+            "the model does not fit this worker: 11 surprises in the last 50 cycles that were seen",
         ]
         assert essence(state, 6) == essence(None, 0) == "no news"
 

@@ -214,6 +214,27 @@ def test_a_dose_is_that_of_the_last_hour(scenario: fp.Scenario, tmp_path: Path, 
         assert session.state().pauses.doses == ()
 
 
+@fails_with(WATCH + "Watch._meter", "if event.idle_s:", "if event.idle_s and not event.late:")
+def test_what_is_told_late_is_metered_after_the_rest_before_it(cache_folder: Path, tmp_path: Path) -> None:
+    """The rest changes how likely a worker chooses, and with it the dose of a cycle that was not seen for sure."""
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(PAPER.read_text().replace("expertise: .inf", "expertise: 30"))
+    experiment = fp.load(mine)
+    reactions = fp.simulate(experiment, cache_folder)
+    found = []
+    for is_late in (False, True):
+        worker = fp.scenario(experiment, reactions, "single_expert")
+        with fp.Session.open(tmp_path / f"{is_late}", worker, clock=(clock := FakeClock())) as session:
+            work(session, clock, 10)
+            clock.pass_(60 + CYCLE_S)
+            if is_late:
+                session.decide()
+                session.observe(11, executed="low")
+            session.observe(11, executed="low", likelihood={"arm": 0.5, "back": 0.6})
+            found.append({one.entry: one.mean_s for one in session.state().pauses.doses})
+    assert found[0] == pytest.approx(found[1], rel=1e-12)
+
+
 TESTS: list[Callable[..., None]] = [one for name, one in globals().items() if name.startswith("test_")]
 
 

@@ -1,12 +1,16 @@
 """What a robot's client believes: scripted echoes, and what it then says to the face."""
 
+import json
+import threading
+import time
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.live.clients.connection import Address, Answer
+from fatigue_planner.live.clients.connection import Address, Answer, is_state
 from fatigue_planner.live.clients.robot import Echo, RobotClient, RobotLink
 
 
@@ -40,6 +44,9 @@ class Recorder:
     def call(self, name: str, **said: Any) -> Answer | None:
         self.said.append((name, said))
         return None
+
+    def close(self) -> None:
+        pass
 
 
 @pytest.fixture
@@ -126,3 +133,48 @@ def test_every_action_must_have_been_taught(robot: Robot) -> None:
     client.check(("low", "high"), ("arm",))
     with pytest.raises(SelectionError, match="should name every action"):
         client.check(("low", "high", "middle"), ("arm",))
+
+
+RIGHT = {
+    "cycle": 1, "action": "low", "actions": ["high", "low"], "reactions": ["arm"], "rehearsal": False, "resumed_at": -1,
+}  # fmt: skip
+ABSURD = [
+    *({key: value for key, value in RIGHT.items() if key != missing} for missing in RIGHT if missing != "action"),
+    RIGHT | {"actions": "high"}, RIGHT | {"actions": [1]}, RIGHT | {"action": "middle"}, RIGHT | {"reactions": None},
+    RIGHT | {"cycle": "1"}, RIGHT | {"rehearsal": "no"}, [RIGHT], None, 7,
+]  # fmt: skip
+
+
+class Absurd(BaseHTTPRequestHandler):
+    """Another program at the face's address, whose events are absurd; the last ones are a shift's."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.end_headers()
+        other = RIGHT | {"actions": ["high", "low", "middle"], "action": "middle", "cycle": 2}
+        for content in [*ABSURD, RIGHT, other]:
+            self.wfile.write(f"data: {json.dumps(content)}\n\n".encode())
+            self.wfile.flush()
+            if content == RIGHT:
+                time.sleep(0.5)
+        time.sleep(2)
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def test_a_state_that_is_none_is_not_believed(tmp_path: Path) -> None:
+    """Only a whole state is looked at; one with other actions is checked anew, without a word between them."""
+    assert is_state(RIGHT) and is_state(RIGHT | {"action": None})
+    assert not any(is_state(content) for content in ABSURD)
+    token = tmp_path / "token"
+    token.write_text("secret")
+    with ThreadingHTTPServer(("127.0.0.1", 0), Absurd) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        link = Scripted()
+        client = RobotClient(Address(f"http://127.0.0.1:{server.server_port}", token), link, ("high", "low"))
+        client.connection = Recorder()  # type: ignore[assignment]
+        with pytest.raises(SelectionError, match="should name every action"):
+            client.run(threading.Event())
+        server.shutdown()
+    assert link.written == [(2, 1)]

@@ -92,11 +92,17 @@ def test_the_record_is_in_order_whatever_the_clocks_did() -> None:
         (1, "1", 16, False), (2, "1", 32, True), (3, "1", 50, False), (4, "2", 366, False), (5, "1", 382, False),
     ]  # fmt: skip
     assert worked[1].end == seen(2, "b") and worked[1].decided == decided(2, "b") and worked[4].decided is None
-    assert [(one.worker, one.ended_s, one.seconds, one.kind) for one in segment.pauses()] == [
+    assert [(one.worker, one.ended_s, one.seconds, one.kind) for one in segment.pauses(16.0)] == [
         ("1", 40, 8, "clock"), ("1", 350, 300, "said"), ("1", 366, 16, "away"),
     ]  # fmt: skip
     assert segment.switches() == [(366, "1", False)]
     assert record_of([]) is None
+
+
+def test_a_pause_ends_where_the_cycle_after_it_began() -> None:
+    """Also where nobody said how long that cycle took: as long as planned."""
+    found = record(stored([(0, opening(timed(known(0.0, SEVERAL[:1])))), (100, seen(1, idle_s=84))])).segments[0]
+    assert [(one.ended_s, one.seconds, one.kind) for one in found.pauses(16.0)] == [(84, 84, "clock")]
 
 
 def shift_of(scenario: Scenario, seed: int, cycles: int = 40) -> list[Event]:

@@ -15,9 +15,19 @@ import pytest
 
 from fatigue_planner.core.errors import DamagedJournalError, JournalInUseError, OtherVersionError, OutputFolderError
 from fatigue_planner.live import journal_file
-from fatigue_planner.live.events import Noted, Opened, Recovered, Rested
+from fatigue_planner.live.events import (
+    FORMAT,
+    Advice,
+    Noted,
+    Observed,
+    Opened,
+    Recovered,
+    Rested,
+    WorkerChanged,
+)
 from fatigue_planner.live.journal import Journal
-from fatigue_planner.live.journal_file import connect, erase, pseudonyms, read_journal, recover
+from fatigue_planner.live.journal_file import connect, erase, pseudonyms, read_journal
+from fatigue_planner.live.recovery import recover
 
 UTC = "2026-11-28T12:00:00+00:00"
 PSEUDONYM = "w-7f3a-blue-lathe"
@@ -223,6 +233,71 @@ def test_an_erased_worker_leaves_no_byte(path: Path) -> None:
     assert [one.event for one in read_journal(path)] == [Noted(text="after")]  # the chain still verifies
 
 
+def test_a_worker_is_erased_from_a_damaged_journal(path: Path) -> None:
+    """Whether an event was altered or a whole page is lost; what is left of the journal is as it was."""
+    with Journal(path) as journal:
+        journal.join("1f2e", PSEUDONYM)
+        for number, one in enumerate(notes(200)):
+            journal.append(one, float(number), UTC)
+    whole = path.read_bytes()
+    altered = whole.replace(b"150 xxx", b"150 xxy")
+    page = 4096 * (len(whole) // 4096 // 2)
+    torn = whole[:page] + bytes(4096) + whole[page + 4096 :]
+    for damaged in (altered, torn):
+        path.write_bytes(damaged)
+        with pytest.raises(DamagedJournalError) as before:
+            read_journal(path)
+        assert erase(path, PSEUDONYM)
+        assert pseudonyms(path) == {}
+        assert not any(PSEUDONYM.encode() in file.read_bytes() for file in path.parent.iterdir())
+        with pytest.raises(DamagedJournalError) as after:
+            read_journal(path)
+        assert str(after.value) == str(before.value)
+    path.write_bytes(whole.replace(b"CREATE TABLE worker", b"CREATE TABLE w0rker"))
+    with pytest.raises(DamagedJournalError, match="cannot be erased one by one"):
+        erase(path, PSEUDONYM)
+
+
+def test_who_switched_off_stays_off_in_what_is_recovered(path: Path) -> None:
+    """Also where that was said after what was kept, or after the damage; nobody is switched on by what is damaged."""
+    said = [
+        opening("5e55"), Observed(cycle=1, executed="a"), WorkerChanged(worker="1"), Observed(cycle=2, executed="a"),
+        Advice(on=False), WorkerChanged(worker="2"), Observed(cycle=3, executed="a"), Noted(text="altered"),
+        WorkerChanged(worker="3"), Advice(on=False), WorkerChanged(worker="1"), Advice(on=True),
+    ]  # fmt: skip
+    with Journal(path) as journal:
+        for number, one in enumerate(said):
+            journal.append(one, float(number), UTC)
+    assert switched(path, None) == {}
+    assert switched(path, 2) == {"3": False}  # "1" has switched it on again
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("UPDATE event SET body = replace(body, 'altered', 'changed') WHERE number = 7")
+    assert switched(path, None) == {"3": False}  # "1" is off in what was kept
+    assert switched(path, 2) == {"1": False, "3": False}
+    assert switched(path, 1) == {"1": False, "3": False}
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("UPDATE event SET body = '' WHERE number = 8")
+    assert switched(path, None) == {"2": False, "": False}  # who switched it off then is not known
+
+
+def switched(path: Path, cycle: int | None) -> dict[str, bool]:
+    """Who is switched off or on after what was copied, and that who was here is here again."""
+    into = path.with_name("recovered.fatplan")
+    into.unlink(missing_ok=True)
+    kept = recover(path, into, cycle)
+    here = [one.event.worker for one in kept if isinstance(one.event, WorkerChanged)][-1:] or [""]
+    found: dict[str, bool] = {}
+    now = here
+    for one in read_journal(into)[len(kept) + 1 :]:
+        match one.event:
+            case WorkerChanged(worker=worker):
+                now = [worker]
+            case Advice(on=on):
+                found[now[0]] = on
+    assert now == here
+    return found
+
+
 def test_what_is_no_journal_is_refused(path: Path, tmp_path: Path) -> None:
     with pytest.raises(OutputFolderError, match="there is no such journal"):
         read_journal(path)
@@ -238,12 +313,17 @@ def test_what_is_no_journal_is_refused(path: Path, tmp_path: Path) -> None:
         Journal(path)
 
 
+def opening(session: str, **other: object) -> Opened:
+    """The first event of a shift, which nothing can be gone on with."""
+    content = {
+        "format": FORMAT, "session": session, "scenario": "", "scenario_name": "", "actions": (), "policy": {},
+        "policy_sources": {}, "safe_action": "", "deadline_s": 0.05, "versions": {"fatplan": "9.9"}, "origin": "",
+    }  # fmt: skip
+    return Opened.model_validate(content | other)
+
+
 def test_another_format_is_named(path: Path) -> None:
-    opened = Opened(
-        format=99, session="", scenario="", scenario_name="", actions=(), policy={}, policy_sources={}, safe_action="",
-        deadline_s=0.05, versions={"fatplan": "9.9"}, origin="",
-    )  # fmt: skip
     with Journal(path) as journal:
-        journal.append(opened, 0.0, UTC)
+        journal.append(opening("", format=99), 0.0, UTC)
     with pytest.raises(OtherVersionError, match=r"format 99.*go on with fatplan 9.9"):
         read_journal(path)

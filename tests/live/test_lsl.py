@@ -5,18 +5,24 @@ import math
 import signal
 import subprocess
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pylsl
 import pytest
 from commands import process
 from conftest import PAPER
+from pylsl.util import LostError
+from pylsl.util import TimeoutError as LslTimeoutError
 
-from fatigue_planner.live.clients.connection import Connection
+from fatigue_planner.live.clients.client import Client
+from fatigue_planner.live.clients.connection import Address, Connection
+from fatigue_planner.live.clients.lsl import LslClient
 from fatigue_planner.live.events import Observed
 from fatigue_planner.live.journal_file import read_journal
 from fatigue_planner.live.rehearsal.server import Server
@@ -157,6 +163,43 @@ def test_likelihoods_and_absurd_numbers(cell: Cell) -> None:
     assert "which is no observation" in said
     assert "the stream's time stamp is of no cycle that can be told" in said
     assert "Traceback" not in said
+
+
+def test_a_clock_that_does_not_answer_ends_no_stream() -> None:
+    """The sample waits until the clocks can be compared; a stream that is lost has ended."""
+    said: list[str] = []
+    client = LslClient.__new__(LslClient)
+    Client.__init__(client, Address("http://127.0.0.1:1", Path("none")), said.append)
+    client._name, client._early_s, client._last_s = "arms", 0.0, -math.inf
+    client._labels, client._reactions = (), ("arm",)
+    client._began_s = OrderedDict({1: pylsl.local_clock() - 100})
+    told: list[dict[str, Any]] = []
+    client.tell = lambda name, **what: told.append({"name": name} | what)  # type: ignore[method-assign,assignment]
+    client._resolver = SimpleNamespace(results=list)
+
+    class Inlet:
+        """Its clock does not answer at first, and in the end it is lost."""
+
+        looks = 0
+
+        def time_correction(self, timeout: float) -> float:
+            self.looks += 1
+            if self.looks == 1:
+                raise LslTimeoutError
+            if self.looks == 3:
+                raise LostError
+            return 0.0
+
+        def pull_sample(self, timeout: float) -> tuple[list[str], float]:
+            return ["arm"], pylsl.local_clock() - 50
+
+    client._inlet = Inlet()
+    client.look(1, "low")
+    assert client._inlet is not None and told == []
+    client.look(1, "low")
+    assert told == [{"name": "observe", "cycle": 1, "observation": "arm"}]
+    assert client._inlet is None
+    assert [("does not answer" in one, "has ended" in one) for one in said] == [(True, False), (False, True)]
 
 
 @pytest.mark.slow

@@ -89,6 +89,38 @@ def test_it_says_what_counts(page: Page, server: Server) -> None:
     assert page.value(said) == before
 
 
+def test_it_says_how_well_the_worker_is_seen_and_explained(page: Page, cache_folder: Path, tmp_path: Path) -> None:
+    """Few surprises are counted; many, and cycles that are not seen, are faults in words."""
+    server = start(tmp_path / "shift.fatplan", cache_folder)
+    with server.process:
+        decision = server.call("/v1/decide", {})[1]
+
+        def work(seen: str | None, cycles: int) -> None:
+            nonlocal decision
+            for _ in range(cycles):
+                decision = server.call("/v1/observe", {"cycle": decision["cycle"], "observation": seen})[1]
+
+        work("unclear", 2)
+        work("arm", 3)
+        page.open(f"http://127.0.0.1:{server.port}/#{server.view}", 390)
+        page.until("document.body.innerText.includes('Surprises 2 in 5 seen')")
+        shown = page.value("document.body.innerText")
+        assert "Model fits" in shown
+        assert page.value("document.getElementById('fault').textContent") == ""
+        work("unclear", 9)
+        work(None, 3)
+        page.until("document.body.innerText.includes('Surprises 11 in 14 seen')")
+        said = page.value("document.getElementById('fault').textContent")
+        assert "Degraded: the worker was not seen for 3 cycles" in said
+        assert "The model does not fit this worker: 11 surprises in 14 cycles seen" in said
+        assert "Model does not fit" in page.value("document.body.innerText")
+        assert page.faults() == []
+        assert page.value("document.documentElement.scrollWidth <= innerWidth")
+        server.call("/v1/advise", {"on": False})
+        page.until("document.body.innerText.includes('Model off')")
+        server.process.kill()
+
+
 def test_only_who_may_act_has_buttons(page: Page, server: Server) -> None:
     page.open(f"http://127.0.0.1:{server.port}/#{server.view}", 1400)
     page.until(NEWS)
@@ -126,7 +158,12 @@ def test_it_asks_for_a_token(page: Page, server: Server) -> None:
     page.open(f"http://127.0.0.1:{server.port}/#wrong", 390)
     page.until("document.getElementById('ask')?.hidden === false")
     assert page.faults() == []
+    fault = "document.getElementById('fault').textContent"
+    page.value("state = {counts: {}, fits: true, fallback: 'none'}, last = 1")  # one of before the server was restarted
+    time.sleep(1.5)
+    assert page.value(fault) == "A token is needed"
     page.value(f"document.getElementById('token').value = '{server.view}'")
     page.value("document.querySelector('#ask button').click()")
     page.until(NEWS)
+    assert "A token is needed" not in page.value(fault)
     assert len(PAGE.encode()) <= 30_000

@@ -27,7 +27,7 @@ from fatigue_planner.core.errors import (
 )
 from fatigue_planner.live import session as session_module
 from fatigue_planner.live.clock import RehearsalClock
-from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, WorkerChanged
+from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, Skipped, WorkerChanged
 from fatigue_planner.live.journal_file import last_seconds, read_journal
 from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
 
@@ -584,6 +584,61 @@ def test_who_is_off_stays_off_when_another_situation_is_accepted(scenario: fp.Sc
 def test_to_close_twice_is_to_close(scenario: fp.Scenario, path: Path) -> None:
     with fp.Session.open(path, scenario, clock=FakeClock()) as session:
         session.close()
+
+
+def test_a_pause_that_has_a_name_counts_once(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Said again, also later and after a restart, it changes nothing; of another length it is refused."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        cycles(session, clock, ["arm"])
+        clock.pass_(300)
+        session.rest(300, key="lunch-1")
+        digest = session.digest()
+        assert session.rest(300, key="lunch-1").cycle == 2 and session.digest() == digest
+        session.rest(60, key="after-it")
+        cycles(session, clock, ["arm"])
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.rest(300, key="lunch-1")
+        assert session.digest() == digest
+        with pytest.raises(ContradictionError, match="the pause lunch-1 was said to be of 300 s before"):
+            session.rest(299, key="lunch-1")
+        for wrong in ("", "x" * 41, "Jane Doe\n", 3):
+            with pytest.raises(EvidenceError, match="that names a pause"):
+                session.rest(1, key=wrong)  # type: ignore[arg-type]
+        assert session.digest() == digest
+        session.rest(300)
+        assert session.digest() != digest
+    assert [one.event.seconds for one in read_journal(path) if isinstance(one.event, Rested)] == [300, 60, 300]
+
+
+def test_of_who_is_off_no_time_is_kept(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Neither pauses, nor how long he did nothing, nor how long he was away; a restart changes nothing."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session.worker("w-1")
+        session.advise(False)
+        cycles(session, clock, ["arm"])
+        clock.pass_(100)
+        session.rest(100, key="p")
+        session.rest(7)
+        clock.pass_(33)
+        session.skip()
+        assert session.skip(cycle=2).cycle == 3
+        session.worker("w-2")
+        cycles(session, clock, ["arm"])
+        session.worker("w-1")
+        session.advise(True)
+        clock.pass_(20 + CYCLE_S)
+        session.observe(4, observation="arm")
+        digest = session.digest()
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        assert session.digest() == digest
+        session.rest(100, key="p")  # nothing was kept of it
+        assert session.digest() != digest
+    events = [one.event for one in read_journal(path)]
+    assert [(one.duration_s, one.off) for one in events if isinstance(one, Skipped)] == [(0, True)]
+    assert [one.away_s for one in events if isinstance(one, WorkerChanged)] == [None, None, None]
+    assert [one.seconds for one in events if isinstance(one, Rested)] == [100]
+    assert [one.idle_s for one in events if isinstance(one, Observed)] == [0, 0, 20]
 
 
 def test_who_answers_goes_first(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:

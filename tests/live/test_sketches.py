@@ -112,14 +112,56 @@ def datagram(lean_m: float) -> bytes:
     return header + b"".join(segments)
 
 
-@pytest.mark.slow
-def test_what_talks_to_the_face_runs(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each sketch lives through a cycle or two of one shift."""
+def test_without_a_server_they_go_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """What is not answered, and a message that says nothing, end no sketch; nothing is sent to the robot then."""
+    with socket.socket() as closed:
+        closed.bind(("127.0.0.1", 0))
+        monkeypatch.setenv("FATPLAN_SERVER", f"http://127.0.0.1:{closed.getsockname()[1]}")
+        monkeypatch.syspath_prepend(str(SKETCHES))
+        stand_in(monkeypatch)
+        for is_there in (False, True):
+            token = tmp_path / "token"
+            if is_there:
+                token.write_text("secret")
+            monkeypatch.setenv("FATPLAN_TOKEN_FILE", str(token))
+            for name in ("face", "ros2_node", "plc_gateway", "xsens_reader"):
+                sys.modules.pop(name, None)
+            import plc_gateway
+            import ros2_node
+            import xsens_reader
+
+            node = ros2_node.Fatplan()
+            node.tell()
+            for message in ("2 low", "low", ""):
+                node.executed(String(message))
+                node.reaction(String(message))
+            assert node.sent == []
+            with pytest.raises(TimeoutError):
+                asyncio.run(asyncio.wait_for(plc_gateway.follow(plc := Plc()), 0.3))
+            assert plc.written == []
+            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as listening:
+                listening.bind(("127.0.0.1", 0))
+                listening.settimeout(0.05)
+                listening.sendto(datagram(0.5), listening.getsockname())
+                with pytest.raises(TimeoutError):
+                    xsens_reader.follow(listening)
+    for name in ("face", "plc_gateway", "ros2_node", "xsens_reader"):
+        sys.modules.pop(name, None)
+
+
+def stand_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stand in for the libraries of all devices."""
     module(monkeypatch, "rclpy")
     module(monkeypatch, "rclpy.node", Node=Node)
     module(monkeypatch, "std_msgs")
     module(monkeypatch, "std_msgs.msg", String=String)
     module(monkeypatch, "asyncua", Client=Plc)
+
+
+@pytest.mark.slow
+def test_what_talks_to_the_face_runs(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each sketch lives through a cycle or two of one shift."""
+    stand_in(monkeypatch)
     import face
     import plc_gateway
     import ros2_node
@@ -136,6 +178,9 @@ def test_what_talks_to_the_face_runs(server: Server, monkeypatch: pytest.MonkeyP
     assert node.sent == [f"2 {face.ask('decide')['action']}"]
     node.executed(String("2 low"))
     node.reaction(String("2 arm"))
+    for refused in ("2 arm leg", "2 nowhere", "99 arm", "arm", ""):
+        node.executed(String(refused))
+        node.reaction(String(refused))
 
     assert xsens_reader.trunk_deg(datagram(0.0)) == pytest.approx(0)
     assert xsens_reader.trunk_deg(datagram(0.5)) == pytest.approx(45)

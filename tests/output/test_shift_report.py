@@ -30,10 +30,12 @@ from fatigue_planner.live.events import (
     Resumed,
     WorkerChanged,
 )
+from fatigue_planner.live.hindsight import Hindsight
 from fatigue_planner.live.journal_file import erase, read_journal
 from fatigue_planner.live.record import Record, record_of
 from fatigue_planner.output.reports.shift.data import Part, ShiftData
 from fatigue_planner.output.reports.shift.group import FEWEST, MIN_MINUTES, Times, windows
+from fatigue_planner.output.reports.shift.worth import worth_words
 
 CYCLE_S = 16.0
 PSEUDONYM = "w-7f3a"
@@ -311,7 +313,32 @@ def test_the_journal_names_its_experiment(scenario: fp.Scenario, cache_folder: P
     done = fatplan("live", "report", journal, "--output", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "out" / "report.html").read_text()
-    assert "started again 1 time" in page
+    assert "started again once." in page
+
+
+def test_parts_have_planned_durations_of_their_own(scenario: fp.Scenario) -> None:
+    """As the journal says; an older one does not say it, and its scenario does."""
+    events = [(0.0, opening(scenario, scenario="another", planned_s=30.0)), *cycle(1, 30.0, idle_s=5.0)]
+    events += [(100.0, opening(scenario)), *cycle(1, 120.0, idle_s=4.0)]
+    record = record_of(stored(events))
+    assert record is not None
+    parts = (Part(record.segments[0], None), Part(record.segments[1], scenario))
+    data = ShiftData("two", record, parts)
+    assert [data.worked_s(part, part.segment.worked()[0]) for part in parts] == [30.0, CYCLE_S]
+    assert [(one.ended_s, one.seconds) for one in data.pauses] == [(0.0, 5.0), (120.0 - CYCLE_S, 4.0)]
+
+
+def test_a_plan_that_would_have_cost_nothing_is_no_share() -> None:
+    """Nothing of nothing is nothing; where only some workers would have had none, the mean still is a share."""
+    followed, nothing = np.array([0.0, 1.0, 1.0]), np.zeros(3)
+    worth = Hindsight(4, followed, {"none": nothing, "some": np.array([0.0, 0.0, 4.0])})
+    assert Hindsight(4, nothing, {"none": nothing}).saving("none") == (0.0, 0.0, 0.0)
+    assert worth.saving("none") == (-np.inf, -np.inf, 0.0)
+    assert worth.saving("some") == (0.5, -np.inf, 0.75)
+    first, second = worth_words(worth)
+    assert first == "By the model, none would have cost no fatigue, and what the robot did cost some."
+    assert "(90 % interval up to 75.00 %)" in second
+    assert worth_words(Hindsight(4, nothing, {"none": nothing}))[0].endswith("(90 % interval 0.00 to 0.00 %).")
 
 
 def test_doses_of_a_cycle_that_was_not_seen_are_expected_ones(scenario: fp.Scenario) -> None:

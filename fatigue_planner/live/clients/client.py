@@ -47,21 +47,22 @@ class Client(ABC):
         Raises SelectionError if it is a rehearsal, or has actions that the client does not know.
         """
         self._watch.start()
-        number, checked, answered_s = 0, False, time.monotonic()
+        number, answered_s = 0, time.monotonic()
+        checked: object = None
         try:
             while not stop.is_set():
                 number, state = self._watch.newest(number, LOOK_EVERY_S)
                 if state is None:
-                    checked = False  # another may come in its place
                     if time.monotonic() - answered_s > PATIENCE_S:
                         self.say("the face does not answer")
                     continue
                 answered_s, self.state = time.monotonic(), state
-                if not checked:
-                    if state.get("rehearsal"):
-                        raise SelectionError("the shift is a rehearsal; no device takes part in it.")
-                    self.check(tuple(state["actions"]), tuple(state["reactions"]))
-                    checked = True
+                if state["rehearsal"]:
+                    raise SelectionError("the shift is a rehearsal; no device takes part in it.")
+                names = tuple(state["actions"]), tuple(state["reactions"])
+                if names != checked:  # another shift may have come in its place
+                    self.check(*names)
+                    checked = names
                 if state["action"] is None:
                     self.tell("decide")  # and another state comes
                 else:

@@ -18,8 +18,10 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 TIMEOUT_S = 10.0
 RETRY_EVERY_S = 0.2
 MAX_KEPT = 1000
-# Said twice, these change nothing.
+# Said twice, these change nothing; nor does what has a key.
 REPEATABLE = frozenset({"decide", "executed", "observe", "skip", "worker", "advise", "clock"})
+# What clients read in a state, see `SessionState`; beside it "action", which is one of the actions, or none yet.
+STATE = {"cycle": int, "actions": list, "reactions": list, "rehearsal": bool, "resumed_at": int}
 # The face sends its state once a second; a connection that is silent for longer is dead.
 SILENT_S = 5.0
 
@@ -93,13 +95,14 @@ class Connection:
         """Say something; the decision that stands then.
 
         Raises FaceRefusedError for what the face refuses, FaceUnreachableError if it does not answer. What cannot be
-        repeated, such as a pause, is not said again where it is not known whether it was heard.
+        repeated, such as a pause without a key, is not said again where it is not known whether it was heard.
         """
-        content = self._ask("POST", f"/v1/{name}", said, may_repeat=name in REPEATABLE)
+        may_repeat = name in REPEATABLE or said.get("key") is not None
+        content = self._ask("POST", f"/v1/{name}", said, may_repeat)
         if content is None:
             return None
         answer = _answer(content)
-        if name in REPEATABLE and answer.recorded > answer.durable_up_to:
+        if may_repeat and answer.recorded > answer.durable_up_to:
             self._kept.append((answer.recorded, name, said))
         while self._kept and self._kept[0][0] <= answer.durable_up_to:
             self._kept.popleft()
@@ -114,9 +117,9 @@ class Connection:
     def state(self) -> dict[str, Any]:
         """Where the shift stands."""
         content = self._ask("GET", "/v1/state", None, may_repeat=True)
-        if not isinstance(content, dict) or not isinstance(content.get("cycle"), int):
+        if not is_state(content):
             raise FaceUnreachableError(f"{self.address.url}: its state is none of fatplan's.")
-        return content
+        return dict(content)
 
     def close(self) -> None:
         """Close the connection."""
@@ -217,7 +220,7 @@ class Watch(threading.Thread):
             while not self._ended.is_set() and events.status == 200 and (line := events.readline()):
                 if line.startswith(b"data: "):
                     state = json.loads(line[6:])
-                    if isinstance(state, dict) and isinstance(state.get("cycle"), int):
+                    if is_state(state):
                         self._put(state)
         finally:
             connection.close()
@@ -228,6 +231,14 @@ class Watch(threading.Thread):
                 self._state = state
                 self._number += 1
                 self._changed.notify_all()
+
+
+def is_state(content: Any) -> bool:
+    """Whether something is a shift's state, as far as clients read it; else it comes from some other program."""
+    if not isinstance(content, dict) or not all(isinstance(content.get(key), kind) for key, kind in STATE.items()):
+        return False
+    names = [*content["actions"], *content["reactions"]]
+    return all(isinstance(name, str) for name in names) and content.get("action") in (None, *content["actions"])
 
 
 def _answer(content: Any) -> Answer:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import pylsl
+from pylsl.util import TimeoutError as LslTimeoutError
 
 from fatigue_planner.core.errors import SelectionError, listed, shortened
 from fatigue_planner.live.clients.client import Client
@@ -67,6 +68,9 @@ class LslClient(Client):
             except UnicodeDecodeError:
                 self.ignore("the stream's text is not UTF-8")
                 continue
+            except LslTimeoutError:  # samples stay where they are until the clocks can be compared
+                self.say(f"the clock of the stream {self._name} does not answer; what it says is kept back")
+                return
             except RuntimeError:  # that of all errors of pylsl
                 self._inlet = None
                 self.say(f"the stream {self._name} has ended")

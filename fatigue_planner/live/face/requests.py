@@ -55,6 +55,11 @@ class Rest(Request):
     """A pause before this cycle."""
 
     seconds: float = Field(description="Length of the pause in s.")
+    key: str | None = Field(
+        default=None,
+        description="Names this pause and nobody, in up to 40 letters, digits and ._-; with it, what is said again is "
+        "known.",
+    )
 
 
 class Worker(Request):

@@ -23,9 +23,10 @@ Flags = NDArray[np.bool_]
 
 # Somebody or something unmeasured carries where more than this share of the weight is unexplained.
 UNMEASURED_SHARE = 0.1
-# Lags are looked for up to here, where the force changes by this share of the weight (SD) at least.
-LONGEST_LAG_S, CHANGES_SHARE = 0.25, 0.02
-LEAST_LAG_S = 0.01
+# Lags are looked for up to here, told from there on, and known where both forces are so alike (correlation; assumed).
+LONGEST_LAG_S, LEAST_LAG_S, ALIKE = 0.25, 0.01, 0.7
+LEAST_CHANGE_N = 0.1  # of the force (SD)
+TOLD_SHARE = 0.01  # of the time; what is rarer is not told
 
 
 def soles_m(person: Measured, configuration: Vector) -> Vector:
@@ -72,10 +73,10 @@ def later(ground: Sequence[GroundForce], rate_hz: float, lag_s: float) -> tuple[
     return tuple(replace(plate, force_n=moved(plate.force_n), moment_nm=moved(plate.moment_nm)) for plate in ground)
 
 
-def lag_s(shown_n: Vector, needed_n: Vector, rate_hz: float, weight_n: float) -> float | None:
-    """How much later the plates show the vertical force (n,) that the motion needs; None if it hardly changes."""
+def lag_s(shown_n: Vector, needed_n: Vector, rate_hz: float) -> float | None:
+    """How much later the plates show the vertical force (n,) that the motion needs; None if they are not alike."""
     most = int(LONGEST_LAG_S * rate_hz)
-    if needed_n.std() < CHANGES_SHARE * weight_n or len(needed_n) < 4 * most:
+    if min(needed_n.std(), shown_n.std()) < LEAST_CHANGE_N or len(needed_n) < 4 * most:
         return None
     inner = slice(most, len(needed_n) - most)
     likeness = np.array(
@@ -85,7 +86,7 @@ def lag_s(shown_n: Vector, needed_n: Vector, rate_hz: float, weight_n: float) ->
         ]
     )
     best = int(likeness.argmax())
-    if not 0 < best < 2 * most:
+    if not 0 < best < 2 * most or likeness[best] < ALIKE:
         return None
     before, at, after = likeness[best - 1 : best + 2]
     return float((best - most + 0.5 * (before - after) / (before - 2 * at + after)) / rate_hz)
@@ -112,16 +113,16 @@ def plate_remarks(ground: Sequence[GroundForce], torques: Torques, on_ground: Fl
         if not loaded.any():
             continue
         feet = foot[loaded]
-        if (nowhere := float((feet < 0).mean())) > 0:
+        if (nowhere := float((feet < 0).mean())) >= TOLD_SHARE:
             remarks.append(
                 Remark(12, f"plate {number} is pressed where no foot is, {percent(nowhere, 0)} of the time; left out.")
             )
-        if {0, 1} <= set(feet.tolist()):
+        if min((feet == 0).mean(), (feet == 1).mean()) >= TOLD_SHARE:
             right = percent(float((feet == 0).sum() / (feet >= 0).sum()), 0)
             remarks.append(
                 Remark(12, f"plate {number} carries one foot, then the other (the right one {right} of the time).")
             )
-    if (both := float(on_one_plate(ground, on_ground).mean())) > 0:
+    if (both := float(on_one_plate(ground, on_ground).mean())) >= TOLD_SHARE:
         remarks.append(
             Remark(12, f"both feet are on one plate {percent(both, 0)} of the time; it counts for the nearer one.")
         )

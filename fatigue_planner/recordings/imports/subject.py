@@ -19,9 +19,11 @@ class Subject(Settings):
     height_m: float = Field(ge=1.4, le=2.1, description="Stature in m.")
     mass_kg: float = Field(ge=40, le=150, description="Body mass in kg, with empty hands.")
     sex: Sex = Field(description="Decides how the mass is distributed over the segments (de Leva 1996).")
-    static: str | None = Field(
-        default=None,
-        description="File of a static trial, beside this one: the person stands as in the stance. Default: none.",
+    static: tuple[str, ...] = Field(
+        default=(),
+        max_length=2,
+        description="Files of a static trial, beside this one: the markers of the person who stands as in the stance, "
+        "and perhaps the plates. Default: none.",
     )
 
 
@@ -30,9 +32,9 @@ def load_subject(path: Path) -> Subject:
     return load_data(path, Subject)
 
 
-def static_file(path: Path, subject: Subject) -> Path | None:
-    """The static trial that a subject file names, relative to its folder."""
-    return None if subject.static is None else path.parent / subject.static
+def static_files(path: Path, subject: Subject) -> list[Path]:
+    """The files of the static trial that a subject file names, relative to its folder."""
+    return [path.parent / name for name in subject.static]
 
 
 def worker_of(experiment: Experiment, subject: Subject, source: Path) -> str:

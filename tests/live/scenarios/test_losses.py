@@ -18,7 +18,8 @@ from shifts import CYCLE_S, FakeClock, World, cycles
 import fatigue_planner as fp
 from fatigue_planner.core.errors import CycleError, DamagedJournalError, OutputFolderError
 from fatigue_planner.live.events import Observed, Recovered, Resumed
-from fatigue_planner.live.journal_file import pseudonyms, read_journal, recover
+from fatigue_planner.live.journal_file import pseudonyms, read_journal
+from fatigue_planner.live.recovery import recover
 
 SESSION = "fatigue_planner.live.session:Session"
 SEEN = ["arm", "back", None, "arm", "arm"]
@@ -74,7 +75,7 @@ def test_15_the_power_fails(world: World) -> None:
     assert world.events(Observed, "cut")[-1].idle_s == 7 * 60
 
 
-@fails_with("fatigue_planner.live.journal_file:_intact", "digest != right", "False")
+@fails_with("fatigue_planner.live.journal_file:intact", "digest != right", "False")
 def test_16_a_byte_flips_in_the_middle(world: World) -> None:
     """Found, refused, and gone on with from a cycle before, openly."""
     digests = []

@@ -3,8 +3,9 @@
 from itertools import product
 
 import numpy as np
+from conftest import PAPER
 from planting import fails_with
-from shifts import CYCLE_S, World, cycles
+from shifts import CYCLE_S, FakeClock, World, cycles
 
 import fatigue_planner as fp
 from fatigue_planner.live.events import Observed
@@ -129,3 +130,25 @@ def test_12_the_worker_does_what_nobody_knows(world: World) -> None:
         assert not resumed.state().fits
         cycles(resumed, world.clock, ["arm"] * (WINDOW - MOST))
         assert resumed.state().fits
+
+
+def test_a_surprise_that_is_told_late_counts(world: World) -> None:
+    """As in time: what no reaction is, and what an expert would never do."""
+    experiment = fp.load(PAPER)
+    expert = fp.scenario(experiment, fp.simulate(experiment, world.cache), "single_expert")
+    found = []
+    for seen in ("unclear", "arm", "back"):
+        for late in (False, True):
+            name = f"{seen} {late}"
+            with fp.Session.open(world.folder / name, expert, clock=FakeClock()) as session:
+                session.decide()
+                if late:
+                    session.observe(1, executed="low")
+                session.observe(1, executed="low", observation=seen)
+                state = session.state()
+                assert state.judged == 1 and state.surprises == session.counts.surprised
+                found.append(state.surprises)
+            with fp.Session.open(world.folder / name, expert, clock=FakeClock()) as resumed:
+                assert resumed.state().surprises == state.surprises
+    assert found[:2] == [1, 1]
+    assert found[2:] in ([0, 0, 1, 1], [1, 1, 0, 0])

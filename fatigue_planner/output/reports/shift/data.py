@@ -13,7 +13,7 @@ from fatigue_planner.core.errors import OtherSituationError
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.live.course import Replayed, replayed
 from fatigue_planner.live.doses import HOUR_S, doses
-from fatigue_planner.live.events import Observed
+from fatigue_planner.live.events import Observed, Skipped
 from fatigue_planner.live.hindsight import Hindsight, hindsight, usual_plans
 from fatigue_planner.live.record import Pause, Record, Segment, Worked
 from fatigue_planner.live.rules import from_json
@@ -70,7 +70,7 @@ class ShiftData:
     @cached_property
     def pauses(self) -> list[Pause]:
         """All rests, in order."""
-        return [one for part in self.parts for one in part.segment.pauses()]
+        return [one for part in self.parts for one in part.segment.pauses(self.planned_s(part))]
 
     @property
     def first_hour_s(self) -> float:
@@ -86,16 +86,17 @@ class ShiftData:
         """When an hour begins, in local time."""
         return self.record.local(self.first_hour_s + hour * HOUR_S)
 
-    def minutes(self, one: Worked) -> float:
-        """How long a cycle took, or was planned to take."""
-        return (self.planned_s if one.end.duration_s is None else one.end.duration_s) / 60
-
-    @property
-    def planned_s(self) -> float:
-        """The planned duration of a cycle."""
-        scenario = self.parts[-1].scenario
+    def planned_s(self, part: Part) -> float:
+        """The planned duration of a part's cycles; where an older journal does not say it, that of the last part."""
+        if part.segment.opened.planned_s is not None:
+            return part.segment.opened.planned_s
+        scenario = part.scenario or self.parts[-1].scenario
         assert scenario is not None and scenario.model.timing is not None
         return scenario.model.timing.cycle_s
+
+    def worked_s(self, part: Part, one: Worked) -> float:
+        """How long a cycle of a part took, or was planned to take."""
+        return self.planned_s(part) if one.end.duration_s is None else one.end.duration_s
 
     def cycles_table(self, worker: str) -> pd.DataFrame:
         """Every cycle of a worker: when it ended, what was decided and why, what was done and seen."""
@@ -194,10 +195,10 @@ class ShiftData:
 
 def sight_of(end: object) -> str:
     """What was known of a cycle that has ended so."""
+    if isinstance(end, Observed | Skipped) and end.off:
+        return "off"
     if not isinstance(end, Observed):
         return "skipped"
-    if end.off:
-        return "off"
     if end.is_unclear:
         return "unclear"
     return "nothing" if end.is_blind else "likelihood" if end.likelihood is not None else "recognised"

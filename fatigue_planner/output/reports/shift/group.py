@@ -6,6 +6,7 @@ is not said, so that no number is left when others are subtracted. Every worker 
 none can dominate. Nothing is said before a shift is closed, for two reports of one shift could be subtracted, too.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -61,12 +62,13 @@ def times_of(data: ShiftData) -> Times:
     """How long each worker worked and rested, by hour."""
     found: Times = {worker: {} for worker in data.record.workers}
     known = [part for part in data.parts if part.scenario is not None]  # of others there is no estimate
-    for one in (one for part in known for one in part.segment.worked()):
-        if sight_of(one.end) not in {"off", "skipped"}:
-            _add(found, one.worker, data.hour_of(one.ended_s), data.minutes(one), 0.0)
-    for pause in (pause for part in known for pause in part.segment.pauses()):
-        if pause.kind != "away" and pause.worker in found:
-            _add(found, pause.worker, data.hour_of(pause.ended_s), 0.0, pause.seconds / 60)
+    for part in known:
+        for one in part.segment.worked():
+            if sight_of(one.end) not in {"off", "skipped"}:
+                _add(found, one.worker, data.hour_of(one.ended_s), data.worked_s(part, one) / 60, 0.0)
+        for pause in part.segment.pauses(data.planned_s(part)):
+            if pause.kind != "away" and pause.worker in found:
+                _add(found, pause.worker, data.hour_of(pause.ended_s), 0.0, pause.seconds / 60)
     return found
 
 
@@ -175,8 +177,12 @@ def _worth(data: ShiftData, found: Sequence[Window]) -> list[Section]:
     points = []
     for plan in plans:
         saving = sum(one.saving(plan)[0] for one in own) / len(own)
+        if not math.isfinite(saving):  # to some of them the plan would have cost nothing
+            continue
         word = "less" if saving >= 0 else "more"
         points.append(f"{percent(abs(saving))} {word} fatigue than {plan} would have")
+    if not points:
+        return []
     words = f"By the model, and on average over the workers, what the robot did cost {listing(points)}."
     return [
         Section(

@@ -4,7 +4,7 @@ from collections import Counter
 
 import numpy as np
 
-from fatigue_planner.core.text import counted, fixed, listing, percent
+from fatigue_planner.core.text import fixed, listing, percent, times
 from fatigue_planner.live.events import ClockSet, Decided, Executed, Observed
 from fatigue_planner.output.reports.page import Block, Points, Section, Table, Text
 from fatigue_planner.output.reports.shift.data import ShiftData
@@ -75,7 +75,7 @@ def _events(data: ShiftData) -> list[str]:
     asides = [aside for part in data.parts for aside in part.segment.asides]
     kinds: Counter[str] = Counter(aside.event.kind for aside in asides)
     kinds["silent"] = sum(isinstance(aside.event, Executed) and aside.event.action is None for aside in asides)
-    found = [text.format(counted(kinds[kind], "time")) for kind, text in HAPPENED.items() if kinds[kind]]
+    found = [text.format(times(kinds[kind])) for kind, text in HAPPENED.items() if kinds[kind]]
     for aside in asides:
         if isinstance(aside.event, ClockSet):
             by_s = aside.event.difference_s

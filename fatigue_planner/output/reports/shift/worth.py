@@ -1,5 +1,7 @@
 """What following the plan was worth, in words and as a table."""
 
+import math
+
 import pandas as pd
 
 from fatigue_planner.core.text import counted, percent, percent_range
@@ -15,14 +17,16 @@ def worth_words(worth: Hindsight | None) -> list[str]:
     for plan in worth.others if worth else ():
         assert worth is not None
         saving, low, high = worth.saving(plan)
-        interval = f"(90 % interval {percent_range(low, high)})"
-        if low <= 0 <= high:
+        interval = f"(90 % interval {_interval(low, high)})"
+        if not math.isfinite(saving):
+            found.append(f"By the model, {plan} would have cost no fatigue, and what the robot did cost some.")
+        elif low <= 0 <= high:
             found.append(f"By the model, what the robot did cost as much fatigue as {plan} would have {interval}.")
         else:
             word = "less" if saving > 0 else "more"
             found.append(
                 f"By the model, what the robot did cost {percent(abs(saving))} {word} fatigue than {plan} would have "
-                f"(90 % interval of what was saved: {percent_range(low, high)})."
+                f"(90 % interval of what was saved: {_interval(low, high)})."
             )
     return found
 
@@ -43,7 +47,7 @@ def worth_section(worth: Hindsight | None, figures: FigureFolder) -> Section | N
     )
     file = figures.add_table("worth", table)
     rows = [
-        [row["plan"], f"{row['mean_cost']:.4f}", percent(row["saving"]), percent_range(row["low"], row["high"])]
+        [row["plan"], f"{row['mean_cost']:.4f}", _share(row["saving"]), _interval(row["low"], row["high"])]
         if row["plan"] in worth.others else [row["plan"], f"{row['mean_cost']:.4f}", "–", "–"]
         for row in records(table)
     ]  # fmt: skip
@@ -64,3 +68,13 @@ def worth_section(worth: Hindsight | None, figures: FigureFolder) -> Section | N
             ),
         ],
     )
+
+
+def _share(saving: float) -> str:
+    """A fraction that was saved; of a plan that would have cost nothing there is none."""
+    return percent(saving) if math.isfinite(saving) else "–"
+
+
+def _interval(low: float, high: float) -> str:
+    """The fractions between which most workers are; some may have no lower end."""
+    return percent_range(low, high) if math.isfinite(low) else f"up to {_share(high)}"
