@@ -71,7 +71,10 @@ def benchmark(
     if bound:
         asked.cost.fatigue_cost().check_quadratic("--bound")
     profiles = load_cycle_profiles(asked, cache, options.command_line("simulate", experiment, cache))
-    grid, left_out = without_infeasible(asked, profiles), omissions(asked, profiles)
+    grid, left_out = (
+        without_infeasible(asked, profiles, profiles.ruled_out),
+        omissions(asked, profiles, profiles.ruled_out),
+    )
     warn(left_out)
     store = results / settings.name / "parts"
     grid_cells = cells(grid, profiles)

@@ -1,4 +1,4 @@
-"""`fatplan live rehearse`, `ur` and `lsl`: what talks to a server beside a robot, each a process of its own."""
+"""`fatplan live rehearse`, `ur`, `lsl` and `recognise`: processes of their own that talk to a server of a shift."""
 
 import threading
 from collections.abc import Mapping
@@ -6,7 +6,7 @@ from dataclasses import asdict
 from datetime import datetime
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -139,14 +139,52 @@ def lsl(
     The STREAM has a sample per cycle: one text, the reaction; or a number per reaction, labelled, how likely what was
     measured is under it. Nobody is authenticated in such a network: it should be the cell's own.
     """
-    if find_spec("pylsl") is None:
-        raise MissingExtraError("fatplan live lsl needs pylsl: pip install 'fatigue-planner[lsl]'.")
+    _need_pylsl("lsl")
     from fatigue_planner.live.clients.connection import Address
     from fatigue_planner.live.clients.lsl import LslClient
 
     address = Address(server, token_file, authority)
     address.token()
     LslClient(address, stream, out, _say, early_s).run(threading.Event())
+
+
+def recognise(
+    recogniser: Annotated[Path, typer.Argument(metavar="RECOGNISER", help="File of `fatplan record recognise`.")],
+    token_file: TokenFile,
+    stream: Annotated[str, typer.Option("--stream", help="Name of the tracker's stream of joint angles.")],
+    server: Server = "http://127.0.0.1:8765",
+    authority: Authority = None,
+    unit: Annotated[
+        Literal["deg", "rad"] | None, typer.Option("--unit", help="Of all angles. Default: what the channels say.")
+    ] = None,
+    out: Annotated[
+        str, typer.Option("--out", help="Name of the stream of likelihoods of the cycle going on.")
+    ] = "fatplan likelihoods",
+) -> None:
+    """Recognise reactions in a tracker's stream of joint angles, and tell a server how likely each is. Ctrl-C ends.
+
+    The tracker's stream (Lab Streaming Layer) has a number per channel, labelled as the digital human's degrees of
+    freedom, with its unit. The server is told at the end of a cycle; what is known earlier goes out as text.
+    """
+    _need_pylsl("recognise")
+    import pylsl
+
+    from fatigue_planner.live.clients.angle_stream import AngleStream, outlet
+    from fatigue_planner.live.clients.connection import Address
+    from fatigue_planner.live.clients.recogniser import RecogniserClient
+    from fatigue_planner.recordings.recognition.stored import load_recogniser
+
+    known = load_recogniser(recogniser).recogniser()
+    address = Address(server, token_file, authority)
+    address.token()
+    tracker = AngleStream(stream, unit, known.joints, known.least_rate_hz)
+    client = RecogniserClient(address, known, tracker, pylsl.local_clock, outlet(out), _say)
+    client.run(threading.Event())
+
+
+def _need_pylsl(command: str) -> None:
+    if find_spec("pylsl") is None:
+        raise MissingExtraError(f"fatplan live {command} needs pylsl: pip install 'fatigue-planner[lsl]'.")
 
 
 def _say(message: str) -> None:

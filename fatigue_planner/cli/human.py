@@ -108,7 +108,7 @@ def report(
     name = _one_worker(settings, worker)
     output = output or options.DEFAULT_RESULTS / settings.name / f"{name}.md"
     reactions = load_reactions(settings, cache, options.command_line("simulate", experiment, cache))
-    own = [reaction for reaction in reactions if reaction.name.worker == name]
+    own = [reaction for reaction in reactions if reaction.name.worker == name and not reaction.key.recorded]
     command = f"fatplan human report {experiment}" + (f" --worker {name}" if worker else "")
     person, picture = settings.workers[name], ""
     if own:

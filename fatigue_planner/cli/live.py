@@ -192,8 +192,8 @@ def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: s
             f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
         )
     profiles = load_cycle_profiles(loaded, cache, command)
-    warn(omissions(loaded, profiles))
-    possible = without_infeasible(loaded, profiles)
+    warn(omissions(loaded, profiles, profiles.ruled_out))
+    possible = without_infeasible(loaded, profiles, profiles.ruled_out)
     return replace(scenario(possible, profiles, possible.benchmark.conditions[chosen]), name=chosen)
 
 

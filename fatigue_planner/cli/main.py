@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from fatigue_planner import __version__
-from fatigue_planner.cli import cache, clients, human, live, options, record, shift_report
+from fatigue_planner.cli import cache, clients, human, live, options, record, record_import, shift_report
 from fatigue_planner.cli.assess import assess
 from fatigue_planner.cli.benchmark import benchmark
 from fatigue_planner.cli.claims import claims
@@ -16,6 +16,7 @@ from fatigue_planner.cli.compare import compare
 from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
 from fatigue_planner.cli.reach import reach
+from fatigue_planner.cli.recognise import recognise
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.schedule import schedule
 from fatigue_planner.cli.sensitivity import sensitivity
@@ -43,8 +44,11 @@ live.app.command(epilog=options.EXIT_CODES)(watch)
 live.app.command(epilog=options.EXIT_CODES)(clients.rehearse)
 live.app.command(epilog=options.EXIT_CODES)(clients.ur)
 live.app.command(epilog=options.EXIT_CODES)(clients.lsl)
+live.app.command(epilog=options.EXIT_CODES)(clients.recognise)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.card)
+record.app.command(epilog=options.EXIT_CODES)(recognise)
+record.app.command("import", epilog=options.EXIT_CODES)(record_import.import_)
 for group in (human.app, cache.app, live.app, record.app):
     app.add_typer(group, epilog=options.EXIT_CODES)
 

@@ -10,13 +10,10 @@ from fatigue_planner.cli.progress import warn
 from fatigue_planner.core.errors import MissingReactionsError, SelectionError
 
 if TYPE_CHECKING:
-    from fatigue_planner.experiment.robot_cell import Presentation, RobotCell, Standpoint
+    from fatigue_planner.experiment.robot_cell import Presentation, RobotCell
     from fatigue_planner.experiment.schema import Experiment
     from fatigue_planner.reactions.reaction import Reaction
-
-# Where the base is tried by --scan, in m: an arm's length and more before the worker, from the ground to a high table.
-SCAN_FORWARD_M = (0.7, 0.9, 1.1, 1.3)
-SCAN_HEIGHTS_M = (0.0, 0.25, 0.5, 0.75, 1.0)
+    from fatigue_planner.robot.scan import Standpoint
 
 
 def reach(
@@ -39,6 +36,7 @@ def reach(
     from fatigue_planner.experiment.build import load_reactions
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.experiment.robot_cell import RobotCell
+    from fatigue_planner.robot.scan import FORWARD_M, HEIGHTS_M
 
     settings = _with_robot(load_experiment(experiment), arm, base)
     cell = RobotCell(settings)
@@ -49,7 +47,7 @@ def reach(
     except MissingReactionsError:
         warn([f"How near the arm comes to the body is known only after `{simulate}`."])
     found = cell.presentations(reactions)
-    places = cell.scan(SCAN_FORWARD_M, SCAN_HEIGHTS_M) if scan else []
+    places = cell.scan(FORWARD_M, HEIGHTS_M) if scan else []
     lines = [_headline(cell, found), *map(_line, found), *_scanned(places, len(found))]
     document = {
         "arm": cell.cell.arm.name, "source": cell.cell.arm.source, "base_m": cell.cell.settings.base_m.plain(),

@@ -1,4 +1,7 @@
-"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles."""
+"""`fatplan record`: recorded motions, checked; reactions, recognised; preferences, learnt from observed cycles.
+
+`record import` is in a file of its own.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -14,7 +17,9 @@ if TYPE_CHECKING:
     from fatigue_planner.recordings.learning.learnt import Learnt
 
 app = typer.Typer(
-    name="record", help="Check recorded motions; recognise reactions; learn preferences.", no_args_is_help=True
+    name="record",
+    help="Check and import recorded motions; recognise reactions; learn preferences.",
+    no_args_is_help=True,
 )
 
 Units = Annotated[Literal["mm", "cm", "m"] | None, typer.Option("--units", help="Unit of length.")]
@@ -59,7 +64,7 @@ def check(
     given = Given(units, up, rate, prefix, mapping, mass)
     checked = check_files(files, given, Choices(reader, None if angles is None else angles == "deg"))
     document = {"files": [_row(one) for one in checked], "refused": sum(one.found is None for one in checked)}
-    options.present(document, "\n".join(map(_text, checked)), as_json)
+    options.present(document, "\n".join(map(told, checked)), as_json)
     if document["refused"]:
         raise typer.Exit(ExitCode.FAILED_PARTS)
 
@@ -144,75 +149,6 @@ def _learnt_text(found: "Learnt", write: Path | None) -> str:
     return "\n".join(lines)
 
 
-@app.command(epilog=options.EXIT_CODES)
-def recognise(
-    experiment: options.ExperimentFile,
-    offset: Annotated[
-        float, typer.Option(min=0, max=30, help="Standard deviation in degrees of the error of a session.")
-    ] = 5.0,
-    noise: Annotated[
-        float, typer.Option(min=0, max=30, help="Standard deviation in degrees of the error that changes.")
-    ] = 3.0,
-    repetitions: Annotated[
-        int, typer.Option(min=1, max=1000, help="How often every worker repeats every reaction.")
-    ] = 20,
-    told_apart: Annotated[
-        float, typer.Option(min=0.5, max=1, help="Two reactions are one if less than this share is told apart.")
-    ] = 0.75,
-    seed: Annotated[int, typer.Option(min=0, max=2**63 - 1, help="Seed of the errors.")] = 0,
-    cache: options.CacheFolder = options.DEFAULT_CACHE,
-    results: options.ResultsFolder = options.DEFAULT_RESULTS,
-    as_json: options.Json = False,
-) -> None:
-    """Learn to recognise the reactions of an EXPERIMENT from joint angles, and say how often that errs.
-
-    Every reaction of the cache is repeated with the errors of motion capture, and judged by what the other workers
-    do: at least three must show it. The recogniser, the matrices for the experiment (`recognition_by_action`) and
-    tables of confusions, pairs and how soon a reaction is known go to the results folder.
-    """
-    import yaml
-
-    from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
-    from fatigue_planner.experiment.build import load_reactions
-    from fatigue_planner.experiment.loader import load_experiment
-    from fatigue_planner.recordings.recognition import tables
-    from fatigue_planner.recordings.recognition.recogniser import train
-    from fatigue_planner.recordings.recognition.repetitions import CaptureError, measured
-    from fatigue_planner.recordings.recognition.stored import StoredRecogniser
-
-    settings = load_experiment(experiment)
-    reactions = load_reactions(settings, cache, options.command_line("simulate", experiment, cache))
-    capture = CaptureError(offset_deg=offset, noise_deg=noise, repetitions=repetitions, seed=seed)
-    recogniser, held_out = train(measured(reactions, settings.cycle, capture), settings.cycle, told_apart)
-    digests = {str(reaction.name): reaction.digest for reaction in reactions}
-    stored = StoredRecogniser.of(recogniser, settings.name, digests, capture, told_apart)
-    folder = writable_folder(results / settings.name / "recognition")
-    stored.publish(folder / "recogniser.json")
-    matrices = {action: known.confusion.plain() for action, known in recogniser.actions.items()}
-    written = yaml.safe_dump({"recognition_by_action": matrices}, sort_keys=False, default_flow_style=None, width=120)
-    publish_text(folder / "recognition.yaml", written)
-    made = {
-        "confusion.csv": tables.confusion_table(recogniser),
-        "pairs.csv": tables.pair_table(recogniser),
-        "early.csv": tables.early_table(recogniser, held_out),
-    }
-    for name, table in made.items():
-        publish_csv(folder / name, table)
-    known_from = {action: tables.known_from_s(recogniser, one, action) for action, one in held_out.items()}
-    files = ["recogniser.json", "recognition.yaml", *made]
-    document = {
-        "key": stored.key,
-        "recognition_by_action": matrices,
-        "confusion": made["confusion.csv"].to_dict("records"),
-        "pairs": made["pairs.csv"].to_dict("records"),
-        "known_from_s": known_from,
-        "folder": folder,
-        "files": files,
-    }
-    text = "\n".join(tables.lines(recogniser, known_from))
-    options.present(document, f"{text}\n{folder}: {', '.join(files)}", as_json)
-
-
 def _row(one: "Checked") -> dict[str, Any]:
     if one.found is None:
         return {"file": one.file, "refused": one.refused}
@@ -233,7 +169,8 @@ def _row(one: "Checked") -> dict[str, Any]:
     }
 
 
-def _text(one: "Checked") -> str:
+def told(one: "Checked") -> str:
+    """What a file holds, what was inferred and what is wrong with it, in lines."""
     if one.found is None:
         return f"{one.refused}\n  refused"
     recording = one.found.recording

@@ -65,7 +65,10 @@ def report(
     benchmark = options.command_line("benchmark", file, cache, results, wanted)
     reactions = load_reactions(settings, cache, simulate)
     profiles = cycle_profiles(settings, reactions)
-    feasible, left_out = without_infeasible(settings, profiles), omissions(settings, profiles)
+    feasible, left_out = (
+        without_infeasible(settings, profiles, profiles.ruled_out),
+        omissions(settings, profiles, profiles.ruled_out),
+    )
     warn(left_out)
     figures = FigureFolder(folder)
     if figures_only:

@@ -72,7 +72,7 @@ def scheduled_experiment(file: Path, wanted: "Selection", cache: Path) -> Schedu
     asked = selected(settings, wanted)
     simulate = options.command_line("simulate", file, cache)
     profiles = load_cycle_profiles(asked, cache, simulate)
-    grid = without_infeasible(asked, profiles)
+    grid = without_infeasible(asked, profiles, profiles.ruled_out)
     conditions = grid.benchmark.conditions
 
     def drawn(actions: Sequence[str]) -> Drawn:
@@ -100,7 +100,7 @@ def scheduled_experiment(file: Path, wanted: "Selection", cache: Path) -> Schedu
         grid.benchmark.trials,
         8,
         grid.statistics,
-        omissions(asked, profiles),
+        omissions(asked, profiles, profiles.ruled_out),
         {},
         drawn,
     )

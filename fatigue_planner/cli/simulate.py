@@ -77,7 +77,7 @@ def _reaction(outcome: "Outcome") -> dict[str, Any]:
         "found": outcome.found,
         "failure": outcome.failure,
         "degradation": quality.degradation() if quality and outcome.verdict != "failed" else "",
-        "findings": [found._asdict() for found in quality.plausibility.findings()] if quality else [],
+        "findings": [found._asdict() for found in outcome.findings],
         "hand_error_m": quality and quality.work_hand_error_m,
         "largest_load_share": quality and quality.largest_load_share,
         "largest_load_joint": quality and quality.largest_load_joint,
@@ -88,8 +88,9 @@ def _outcome_text(outcome: "Outcome") -> str:
     quality = outcome.quality
     if outcome.verdict == "failed" or quality is None:
         return f"FAILED: {outcome.failure}"
+    made = "recorded" if outcome.is_recorded else "found" if outcome.found else "simulated"
     return (
-        f"{'found' if outcome.found else 'simulated'}, {outcome.verdict}; hand within "
+        f"{made}, {outcome.verdict}; hand within "
         f"{quality.work_hand_error_m * 1000:.1f} mm of its target; heaviest load "
         f"{quality.largest_load_share:.0%} of the strength ({quality.largest_load_joint})"
         + "".join(f"\n      {remark}" for remark in quality.remarks())

@@ -94,13 +94,19 @@ def _motion_clips(
     Raises SelectionError for such a one that was `named`, FailedMotionError if there is none to see.
     """
     from fatigue_planner.experiment.build import worker_fatigue
+    from fatigue_planner.experiment.robot_cell import RobotCell
     from fatigue_planner.output.viewer.motion_clip import motion_clip_of
     from fatigue_planner.reactions.reaction import Reaction
 
-    parameters = worker_fatigue(settings)
+    parameters, cell = worker_fatigue(settings), None if settings.robot is None else RobotCell(settings)
     for request, reaction in zip(requests, reactions, strict=True):
         if isinstance(reaction, Reaction):
-            yield motion_clip_of(request, reaction, parameters[request.name.worker])
+            own = parameters[request.name.worker]
+            if cell is None:
+                yield motion_clip_of(request, reaction, own)
+            else:
+                said = cell.said(reaction.name, reaction.motion)
+                yield motion_clip_of(request, reaction, own, cell.shape(reaction.name.action), (said,))
         elif named:
             raise SelectionError(f"--reaction {_cannot_be_shown(reaction)}")
         else:

@@ -9,7 +9,7 @@ import numpy as np
 from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.experiment.benchmark_settings import Condition
 from fatigue_planner.experiment.feasibility import performable_actions
-from fatigue_planner.experiment.robot_cell import RobotCell
+from fatigue_planner.experiment.robot_cell import RobotCell, RuledOut
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import fatigue_state
 from fatigue_planner.fatigue.load import cycle_profile
@@ -25,23 +25,39 @@ from fatigue_planner.pomdp.hidden_worker import WorkerPrior
 from fatigue_planner.pomdp.scenario import Scenario, average_worker
 from fatigue_planner.pomdp.timing import Timing
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest
+from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, Recorded
+
+
+class CycleProfiles(dict[ReactionName, CycleProfile]):
+    """How one cycle of each reaction loads the worker; `ruled_out`: those that the robot rules out, and why."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ruled_out: dict[ReactionName, RuledOut] = {}
 
 
 def reaction_requests(experiment: Experiment) -> tuple[ReactionRequest, ...]:
     """A request for every worker, action and preference."""
+    recorded = {
+        ReactionName(worker, action, preference): Recorded(key, experiment.recording_accuracy)
+        for worker, actions in experiment.recorded.items()
+        for action, preferences in actions.items()
+        for preference, key in preferences.items()
+    }
     return tuple(
         ReactionRequest(
-            ReactionName(worker_name, action_name, preference_name),
+            name,
             MotionRequest(
                 worker, strength, experiment.tool, experiment.cycle, experiment.controller, action, preference
             ),
             experiment.accuracy,
+            recorded.get(name),
         )
         for worker_name, worker in experiment.workers.items()
         for strength in [maximum_torque(worker.strength)]
         for action_name, action in experiment.actions.items()
         for preference_name, preference in experiment.preferences.items()
+        for name in [ReactionName(worker_name, action_name, preference_name)]
     )
 
 
@@ -62,7 +78,7 @@ def worker_fatigue(experiment: Experiment) -> dict[str, FatigueParameters]:
     }
 
 
-def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> dict[ReactionName, CycleProfile]:
+def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str) -> CycleProfiles:
     """How one cycle of every reaction of the conditions' workers loads them, without those that failed.
 
     One motion at a time is held in memory. Raises what `load_reactions` raises.
@@ -72,17 +88,19 @@ def load_cycle_profiles(experiment: Experiment, cache_folder: Path, command: str
     return cycle_profiles(experiment, ReactionCache(cache_folder).stream(requests, command))
 
 
-def cycle_profiles(
-    experiment: Experiment, reactions: Iterable[Reaction | FailedReaction]
-) -> dict[ReactionName, CycleProfile]:
+def cycle_profiles(experiment: Experiment, reactions: Iterable[Reaction | FailedReaction]) -> CycleProfiles:
     """How one cycle of each of these reactions loads the worker; none for those that failed or the robot rules out."""
-    parameters = worker_fatigue(experiment)
+    parameters, found = worker_fatigue(experiment), CycleProfiles()
     robot = None if experiment.robot is None else RobotCell(experiment)
-    return {
-        reaction.name: reaction_profile(experiment, parameters, reaction.name.worker, reaction.motion)
-        for reaction in reactions
-        if isinstance(reaction, Reaction) and (robot is None or robot.admits(reaction.name, reaction.motion))
-    }
+    for reaction in reactions:
+        if not isinstance(reaction, Reaction):
+            continue
+        name, motion = reaction.name, reaction.motion
+        if robot is not None and (why := robot.left_out(name, motion)):
+            found.ruled_out[name] = why
+        else:
+            found[name] = reaction_profile(experiment, parameters, name.worker, motion)
+    return found
 
 
 def reaction_profile(

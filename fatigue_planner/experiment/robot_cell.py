@@ -1,9 +1,9 @@
 """What an experiment's robot can present, and to which reactions it would come too near."""
 
-import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from fatigue_planner.reactions.reaction import Reaction, ReactionName
 from fatigue_planner.robot.arm import arm_named
 from fatigue_planner.robot.clearance import Body, Nearest
 from fatigue_planner.robot.reach import Cell, PoseReach
+from fatigue_planner.robot.scan import Standpoint, scanned
+from fatigue_planner.robot.shape import RobotShape
 
 Vector = NDArray[np.float64]
 
@@ -51,13 +53,11 @@ class Presentation:
     meeting: Meeting | None
 
 
-@dataclass(frozen=True)
-class Standpoint:
-    """How many actions the robot reaches from another place."""
+class RuledOut(NamedTuple):
+    """Why the robot rules a reaction out: it cannot present it, or comes as near to the body as `distance_m`."""
 
-    x_m: float
-    height_m: float
-    reached: int
+    reason: str
+    distance_m: float | None = None
 
 
 class RobotCell:
@@ -81,7 +81,7 @@ class RobotCell:
 
     def presented_by(self, cell: Cell, action: str) -> tuple[PoseReach, ...]:
         """The same for one action and another place of the robot."""
-        targets = cell.settings.flange_targets(self._experiment.actions[action])
+        _, targets = cell.settings.flange_targets(self._experiment.actions[action])
         return tuple(cell.reach(target, self._standing(action)) for target in targets)
 
     def nearest(self, name: ReactionName, motion: Motion) -> Nearest:
@@ -90,18 +90,45 @@ class RobotCell:
         met = (body.nearest(motion.configuration, pose.ends_m, radius) for pose in self.presented[name.action])
         return min(met, key=lambda nearest: nearest.distance_m)
 
-    def admits(self, name: ReactionName, motion: Motion) -> bool:
-        """Whether the robot can present the action of a reaction and stays away from the body all the time."""
-        if not all(pose.reached for pose in self.presented[name.action]):
-            return False
-        return self.nearest(name, motion).distance_m >= self.cell.settings.clearance_m
+    def left_out(self, name: ReactionName, motion: Motion) -> RuledOut | None:
+        """Why a reaction is left out of planning, if it is."""
+        if reason := self.stopped(name.action):
+            return RuledOut(reason)
+        nearest = self.nearest(name, motion)
+        if nearest.distance_m >= self.cell.settings.clearance_m:
+            return None
+        return RuledOut(f"{100 * nearest.distance_m:.0f} cm from the {told(nearest.part)}", nearest.distance_m)
+
+    def shape(self, action: str) -> RobotShape | None:
+        """What is seen of the robot while it presents an action, if it can."""
+        if self.stopped(action):
+            return None
+        poses = self.presented[action]
+        times_s, flanges = self.cell.settings.flange_targets(self._experiment.actions[action])
+        return self.cell.shape(poses, flanges, times_s)
+
+    def said(self, name: ReactionName, motion: Motion) -> str:
+        """What is to be said of the robot in a reaction."""
+        if reason := self.stopped(name.action):
+            return f"The robot cannot present it: {reason}."
+        nearest, limit_m = self.nearest(name, motion), self.cell.settings.clearance_m
+        time_s = nearest.tick * motion.time_step_s
+        near = f"{100 * nearest.distance_m:.0f} cm to the {told(nearest.part)}, at {time_s:.1f} s"
+        left_out = (
+            f"; clearance_m is {limit_m:g}, so it is left out of planning" if nearest.distance_m < limit_m else ""
+        )
+        return f"The robot comes as near as {near}{left_out}."
+
+    def stopped(self, action: str) -> str:
+        """Why the robot cannot present an action, or nothing."""
+        return next((pose.reason for pose in self.presented[action] if pose.reason), "")
 
     def presentations(self, reactions: Iterable[Reaction]) -> list[Presentation]:
         """What the robot can make of every action, and how near it comes to the body in these reactions."""
         met: dict[str, Meeting] = {}
         for reaction in reactions:
             action = reaction.name.action
-            if all(pose.reached for pose in self.presented[action]):
+            if not self.stopped(action):
                 nearest = self.nearest(reaction.name, reaction.motion)
                 if action not in met or nearest.distance_m < met[action].distance_m:
                     time_s = nearest.tick * reaction.motion.time_step_s
@@ -110,7 +137,7 @@ class RobotCell:
 
     def _presentation(self, action: str, meeting: Meeting | None) -> Presentation:
         poses, limit_m = self.presented[action], self.cell.settings.clearance_m
-        reason = next((pose.reason for pose in poses if pose.reason), "")
+        reason = self.stopped(action)
         if not reason and meeting is not None and meeting.distance_m < limit_m:
             reason = (
                 f"{100 * meeting.distance_m:.0f} cm from the {told(meeting.part)} in {meeting.reaction} at "
@@ -124,15 +151,12 @@ class RobotCell:
 
     def scan(self, forward_m: Sequence[float], heights_m: Sequence[float]) -> list[Standpoint]:
         """How many actions are reached from every place of the base; y and yaw stay."""
-        found = []
-        for x, height in itertools.product(forward_m, heights_m):
-            base = self.cell.settings.base_m.model_copy(update={"x": float(x), "z": float(height)})
-            there = self.cell.at(base)
-            reached = (
-                all(pose.reached for pose in self.presented_by(there, action)) for action in self._experiment.actions
-            )
-            found.append(Standpoint(float(x), float(height), sum(reached)))
-        return found
+
+        def reached(cell: Cell) -> int:
+            actions = self._experiment.actions
+            return sum(all(pose.reached for pose in self.presented_by(cell, action)) for action in actions)
+
+        return scanned(self.cell, reached, forward_m, heights_m)
 
     def _body(self, worker: str, action: str) -> Body:
         key = worker, action

@@ -6,9 +6,10 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, StringConstraints, ValidationInfo, field_validator, model_validator
 
 from fatigue_planner.core.errors import listed
+from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.core.settings import Name, Settings
 from fatigue_planner.experiment.benchmark_settings import (
     RESTED,
@@ -33,6 +34,7 @@ from fatigue_planner.pomdp.beliefs.registry import MAX_EXACT, AnyBelief
 from fatigue_planner.pomdp.choices.registry import AnyChoiceModel
 from fatigue_planner.pomdp.cost import not_quadratic
 from fatigue_planner.pomdp.hidden_worker import ROUNDING, HiddenWorker, WorkerPrior
+from fatigue_planner.reactions.recorded import RecordingAccuracy
 from fatigue_planner.robot.settings import RobotSettings
 
 # What can be checked in half a second and named in one table.
@@ -42,6 +44,9 @@ MAX_CELLS = 100_000
 
 # Preference, what it is recognised as, probability.
 Recognition = dict[Name, dict[Name, Level]]
+
+# The key of an import, as `fatplan record import` says it.
+ImportKey = Annotated[str, StringConstraints(pattern=rf"^[0-9a-f]{{{DIGEST_LENGTH}}}$")]
 
 # Names of the files a results folder holds besides the figures of the returns.
 RESERVED = (
@@ -90,6 +95,16 @@ class Experiment(Settings):
         "(section IV-C).",
     )
     controller: Controller = Field(default=Controller(), description="How the digital human moves.")
+    recorded: dict[Name, dict[Name, dict[Name, ImportKey]]] = Field(
+        default_factory=dict,
+        max_length=50,
+        description="Reactions that were recorded: worker, action, preference, and the key that `fatplan record "
+        "import` says. All others are simulated.",
+    )
+    recording_accuracy: RecordingAccuracy = Field(
+        default=RecordingAccuracy(),
+        description="What a recorded motion must fulfil; one that misses a limit is not used.",
+    )
     accuracy: Accuracy = Field(
         default=Accuracy(), description="What a simulated motion must fulfil; one that misses a limit is not used."
     )
@@ -187,6 +202,7 @@ class Experiment(Settings):
             *self._size_faults(), *self._initial_faults(), *self._condition_faults(), *self._budget_faults(),
             *self._named_action_faults(), *self._endless_faults(), *self._family_faults(), *self._figure_faults(),
             *self._leaf_value_faults(), *self._recognition_faults(), *self._belief_faults(), *self._choice_faults(),
+            *self._recorded_faults(),
         ]  # fmt: skip
         if faults:
             raise ValueError("\n".join(faults))
@@ -312,6 +328,21 @@ class Experiment(Settings):
             yield "recognition", self.recognition
         for action, matrix in self.recognition_by_action.items():
             yield f"recognition_by_action.{action}", matrix
+
+    def _recorded_faults(self) -> Iterator[str]:
+        parts: tuple[tuple[str, Collection[str]], ...] = (
+            ("workers", self.workers), ("actions", self.actions), ("preferences", self.preferences),
+        )  # fmt: skip
+        names = (
+            (worker, action, preference)
+            for worker, actions in self.recorded.items()
+            for action, preferences in actions.items()
+            for preference in preferences
+        )
+        for name in names:
+            for (kind, known), part in zip(parts, name, strict=True):
+                if part not in known:
+                    yield f"recorded.{'.'.join(name)}: {part!r} is not among the {kind} {listed(known)}"
 
     def _choice_faults(self) -> Iterator[str]:
         for name, choices in self.choice_models.items():

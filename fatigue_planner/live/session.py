@@ -395,6 +395,8 @@ class Session:
                 surprises=standing.fit.surprises,
                 judged=standing.fit.judged,
                 fits=standing.fit.holds,
+                preferences=self._shift.scenario.model.outcomes,
+                executed=None if standing.told is None else standing.told.action,
             )
 
     @property

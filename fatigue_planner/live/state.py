@@ -109,7 +109,8 @@ class SessionState:
     last DEGRADED_AFTER cycles. surprises: among this worker's last `judged` cycles of which something was
     seen, late or not; fits: whether the model fits him, see `fit`.
     resumed_at: the number of the event with which the program went on; what had this or a later number before is lost.
-    actions, reactions: all that can be decided and recognised, in the experiment's order.
+    actions, reactions: all that can be decided and recognised, in the experiment's order; preferences: those whose
+    likelihood may be said. executed: the action that the robot says it does in this cycle; None: it has not said.
     """
 
     cycle: int
@@ -134,6 +135,8 @@ class SessionState:
     surprises: int = 0
     judged: int = 0
     fits: bool = True
+    preferences: tuple[str, ...] = ()
+    executed: str | None = None
 
 
 def pauses(watch: Watch, levels: Levels, shift: Shift, now_s: float) -> Pauses:

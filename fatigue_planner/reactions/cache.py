@@ -28,12 +28,19 @@ from fatigue_planner.core.files import DIGEST_LENGTH, publish_bytes, set_aside, 
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.causes import causes_of, on_target
 from fatigue_planner.motion.motion import ROWS, Motion
+from fatigue_planner.motion.plausibility import Finding
 from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.motion.verification import MismatchError, check_shape, measure
 from fatigue_planner.reactions.hdf5_layout import MAX_BYTES, MAX_MAGNITUDE, entry_bytes, has_valid_checksum, read_entry
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, file_name
+from fatigue_planner.reactions.recorded import RecordedQuality
 
+# What to do where a recorded reaction is missing.
+REIMPORT = (
+    "`fatplan record import` makes them from their files; it says another key where file, worker, cycle, action, tool "
+    "or program have changed."
+)
 _FILE_NAME = re.compile(rf"[^.].*-([0-9a-f]{{{DIGEST_LENGTH}}})\.h5")
 
 
@@ -49,19 +56,34 @@ class Outcome:
     digest: str
     verdict: Verdict
     found: bool
-    quality: Quality | None = None
+    quality: Quality | RecordedQuality | None = None
     failure: str = ""
     kept: bool = True
 
     @classmethod
     def of(
-        cls, request: ReactionRequest, quality: Quality | None, failure: str, found: bool = False, kept: bool = True
+        cls,
+        request: ReactionRequest,
+        quality: Quality | RecordedQuality | None,
+        failure: str,
+        found: bool = False,
+        kept: bool = True,
     ) -> Self:
         """The verdict on a motion of this quality by the accuracy of the request; without a motion it has failed."""
         verdict: Verdict = "failed"
         if quality is not None:
-            verdict, failure = quality.verdict(request.accuracy), "; ".join(quality.faults(request.accuracy))
+            verdict, failure = request.verdict(quality), "; ".join(request.faults(quality))
         return cls(request.name, request.digest, verdict, found, quality, failure, kept)
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether it is the motion of a recording."""
+        return isinstance(self.quality, RecordedQuality)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What no person would do, of a simulated motion."""
+        return self.quality.plausibility.findings() if isinstance(self.quality, Quality) else []
 
 
 class ReactionCache:
@@ -93,6 +115,12 @@ class ReactionCache:
             )
         return reaction
 
+    def store(self, reaction: Reaction) -> Path:
+        """Publish a reaction that was not simulated; its file. Raises OutputFolderError if that cannot be written."""
+        path = writable_folder(self.folder) / file_name(reaction.name, reaction.digest)
+        publish_bytes(path, entry_bytes(reaction))
+        return path
+
     def stream(
         self, requests: Sequence[ReactionRequest], how: str, chosen: Container[ReactionName] | None = None
     ) -> Iterator[Reaction | FailedReaction]:
@@ -116,11 +144,13 @@ class ReactionCache:
     def paths(self, requests: Sequence[ReactionRequest], how: str) -> list[Path]:
         """The files of these reactions, found by digest. Raises MissingReactionsError as `stream`."""
         files = self._files_by_digest()
-        missing = [str(request.name) for request in requests if request.digest[:DIGEST_LENGTH] not in files]
+        missing = [request for request in requests if request.digest[:DIGEST_LENGTH] not in files]
         if missing:
+            names = listed(request.name for request in missing)
+            hint = f" Some are recorded: {REIMPORT}" if any(request.recorded for request in missing) else ""
             raise MissingReactionsError(
-                f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {listed(missing)}. Run "
-                f"`{how}` first. If they were there once, `fatplan cache why EXPERIMENT` says what has changed."
+                f"{self.folder}: {len(missing)} of {len(requests)} reactions are not there: {names}. Run "
+                f"`{how}` first. If they were there once, `fatplan cache why EXPERIMENT` says what has changed.{hint}"
             )
         return [files[request.digest[:DIGEST_LENGTH]][0] for request in requests]
 
@@ -130,7 +160,8 @@ class ReactionCache:
         """Find or simulate every request; the outcomes in the order of the requests.
 
         `progress` hears of every outcome as it comes. Damaged files are set aside (see `damaged`), what they held is
-        simulated again. Raises OutputFolderError if the folder cannot be written.
+        simulated again. Raises OutputFolderError if the folder cannot be written, MissingReactionsError if a recorded
+        reaction is not there.
         """
         by_digest = {request.digest: request for request in requests}
         files = self._files_by_digest()
@@ -143,6 +174,11 @@ class ReactionCache:
                 known[digest] = Outcome.of(request, quality, reason, found=True)
                 progress(known[digest])
         missing = [request for digest, request in by_digest.items() if digest not in known]
+        if gone := [f"{request.name} ({request.recorded.key})" for request in missing if request.recorded]:
+            told = "".join(f" {damage}" for damage in self.damaged)
+            raise MissingReactionsError(
+                f"{self.folder}: recorded reactions are not there: {listed(gone)}. {REIMPORT}{told}"
+            )
         if missing:
             writable_folder(self.folder)
         for index, made in executor.run(simulated, missing):

@@ -1,10 +1,12 @@
 """The layout of an entry of the cache: one self-describing HDF5 file with one reaction, after its checksum.
 
-format, format_version      "fatplan reaction", or "fatplan failed reaction" for one that cannot be performed
+format, format_version      "fatplan reaction", "fatplan recorded reaction" for one from a recording, or
+                            "fatplan failed reaction" for one that cannot be performed
 key                         JSON: settings, sources, versions; its SHA-256 is the reaction's digest (`ReactionKey`)
 name                        worker, action, preference
 reason                      of a failed reaction: why it cannot be performed; it has none of the following
-quality                     JSON: what was measured of the motion (`Quality`)
+quality                     JSON: what was measured of the motion (`Quality`), or is known of the recording
+                            (`RecordedQuality`)
 time_step_s
 phases, phase_ticks         names; first and last + 1 tick
 torque_nm, configuration, velocity, acceleration, wrench, hand_force_n, hand_error_m, eased_radps2, tissue_nm
@@ -32,13 +34,14 @@ from fatigue_planner.core.files import canonical_json, digest_of
 from fatigue_planner.core.reading_process import Array, UnreadableError
 from fatigue_planner.human.capsules import checked_pairs
 from fatigue_planner.human.multibody import BASE_DOF
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
 from fatigue_planner.motion.settings import MAX_TICKS, PHASES
 from fatigue_planner.reactions.key import ReactionKey
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
+from fatigue_planner.reactions.recorded import MAX_LABEL, RecordedQuality
 from fatigue_planner.reactions.sandbox import Layout, read_hdf5
 
 T = TypeVar("T")
@@ -50,6 +53,7 @@ _CHECKSUM_MARK = b"fatplan sha256 "
 HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
 FAILED_FORMAT = "fatplan failed reaction"
+RECORDED_FORMAT = "fatplan recorded reaction"
 FORMAT_VERSION = 5  # to be raised when Motion, Quality or the layout above change
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
@@ -94,7 +98,9 @@ HEAD = Layout(datasets={"format": ("S", ()), "format_version": ("i8", ())}, most
 # What an invalid key or name raises.
 _UNREADABLE = (ValueError, TypeError, RecursionError)
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_.-]{0,99}")
-_QUALITY = TypeAdapter(Quality)
+_QUALITY: dict[str, TypeAdapter[Quality | RecordedQuality]] = {
+    FORMAT: TypeAdapter(Quality), RECORDED_FORMAT: TypeAdapter(RecordedQuality),
+}  # fmt: skip
 _KEY_PARTS = {part.name for part in fields(ReactionKey)}
 
 
@@ -102,7 +108,7 @@ def entry_bytes(reaction: Reaction | FailedReaction) -> bytes:
     """The content of the file of a reaction, the same for the same reaction."""
     content = io.BytesIO()
     with h5py.File(content, "w", track_order=False, userblock_size=CHECKSUM_BYTES) as file:
-        file["format"] = np.bytes_(FORMAT if isinstance(reaction, Reaction) else FAILED_FORMAT)
+        file["format"] = np.bytes_(_format_of(reaction))
         file["format_version"] = FORMAT_VERSION
         file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
         file["name"] = np.array(reaction.name, dtype=np.bytes_)
@@ -112,6 +118,12 @@ def entry_bytes(reaction: Reaction | FailedReaction) -> bytes:
         else:
             file["reason"] = np.bytes_(reaction.reason.encode())
     return with_checksum(content.getvalue())
+
+
+def _format_of(reaction: Reaction | FailedReaction) -> str:
+    if isinstance(reaction, FailedReaction):
+        return FAILED_FORMAT
+    return FORMAT if isinstance(reaction.quality, Quality) else RECORDED_FORMAT
 
 
 def _write_motion(file: h5py.File, reaction: Reaction) -> None:
@@ -135,9 +147,10 @@ def read_entry(content: bytes, source: str) -> Reaction | FailedReaction:
     Raises OtherVersionError for a file of another format, DamagedFileError if it is not, to the bit, what was written,
     or not a reaction that could have been.
     """
-    if _checked_format(content, source) == FAILED_FORMAT:
+    kind = _checked_format(content, source)
+    if kind == FAILED_FORMAT:
         return _parsed(content, source, _FAILED_LAYOUT, lambda found: _failed_reaction(found, source))
-    return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source))
+    return _parsed(content, source, LAYOUT, lambda found: _reaction(found, source, kind))
 
 
 def read_key(content: bytes, source: str) -> tuple[ReactionName, ReactionKey]:
@@ -156,7 +169,7 @@ def _parsed(content: bytes, source: str, layout: Layout, parse: Callable[[dict[s
 
 
 def _checked_format(content: bytes, source: str) -> str:
-    """Which of both formats it is."""
+    """Which of the formats it is."""
     if content.startswith(HDF5_MARK):
         raise OtherVersionError(f"{source}: has no checksum; it is an earlier version's, or not fatplan's.")
     if not has_valid_checksum(content):
@@ -165,7 +178,7 @@ def _checked_format(content: bytes, source: str) -> str:
         head = read_hdf5(content, HEAD)
     except UnreadableError as error:
         raise DamagedFileError(f"{source}: {error}.") from error
-    kind = {name.encode(): name for name in (FORMAT, FAILED_FORMAT)}.get(head["format"].item())
+    kind = {name.encode(): name for name in (FORMAT, FAILED_FORMAT, RECORDED_FORMAT)}.get(head["format"].item())
     if kind is None:
         raise DamagedFileError(f"{source}: is not a {FORMAT}.")
     if int(head["format_version"]) != FORMAT_VERSION:
@@ -174,7 +187,7 @@ def _checked_format(content: bytes, source: str) -> str:
     return kind
 
 
-def _reaction(found: dict[str, Array], source: str) -> Reaction:
+def _reaction(found: dict[str, Array], source: str, kind: str) -> Reaction:
     wrong = [name for name in ("time_step_s", *ARRAYS) if not (np.abs(found[name]) < MAX_MAGNITUDE).all()]
     if wrong:
         raise ValueError(f"{wrong[0]} has values that are not finite, or beyond {MAX_MAGNITUDE:.0e}")
@@ -186,8 +199,10 @@ def _reaction(found: dict[str, Array], source: str) -> Reaction:
             phases=_phases(found["phases"], found["phase_ticks"], len(found["torque_nm"])),
             **{name: found[name] for name in ARRAYS},
         ),
-        quality=_quality(found["quality"]),
+        quality=_quality(found["quality"], kind),
     )
+    if bool(reaction.key.recorded) != (kind == RECORDED_FORMAT):
+        raise ValueError("its key is that of another format")
     _check_content(reaction, found["content_sha256"], source)
     return reaction
 
@@ -239,14 +254,17 @@ def _key(found: Array) -> ReactionKey:
     return ReactionKey(**parts)
 
 
-def _quality(found: Array) -> Quality:
+def _quality(found: Array, kind: str) -> Quality | RecordedQuality:
     try:
-        quality = _QUALITY.validate_json(found.item(), strict=True)
+        quality = _QUALITY[kind].validate_json(found.item(), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         raise ValueError(f"quality {'.'.join(map(str, first['loc']))}: {first['msg']}") from error
     if canonical_json(asdict(quality)).encode() != found.item():
         raise ValueError("its quality is not as this program writes it")
+    if isinstance(quality, RecordedQuality):
+        _check_recorded(quality)
+        return quality
     seen = quality.plausibility
     joints = {quality.largest_load_joint, quality.saturated_joint, seen.pushing_joint, seen.torque_step_joint}
     if not joints | {seen.end_pose_joint, seen.stance_load_joint} <= {"", *DEGREES_OF_FREEDOM}:
@@ -256,6 +274,18 @@ def _quality(found: Array) -> Quality:
     if seen.penetration_parts not in {"", *(f"{first} and {second}" for first, second in checked_pairs())}:
         raise ValueError("its quality names an unknown part of the body")
     return quality
+
+
+def _check_recorded(quality: RecordedQuality) -> None:
+    """Raise ValueError if a text of it could not have been written."""
+    labels = [phase.worst_marker for phase in quality.phases]
+    if not all(label.isprintable() and len(label) <= MAX_LABEL for label in labels):
+        raise ValueError("its quality names a marker as no recording does")
+    bodies = {phase.unseen_body for phase in quality.phases}
+    if not bodies <= {"", *BODIES} or quality.largest_load_joint not in DEGREES_OF_FREEDOM:
+        raise ValueError("its quality names an unknown part of the body")
+    if not set(quality.assumed_wrists) <= set(SIDES) or [phase.name for phase in quality.phases] != list(PHASES):
+        raise ValueError("its quality names an unknown side or phase")
 
 
 def _content_sha256(reaction: Reaction | FailedReaction) -> str:

@@ -13,9 +13,11 @@ from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
-from fatigue_planner.motion.quality import Quality
+from fatigue_planner.motion.plausibility import Finding
+from fatigue_planner.motion.quality import Quality, Verdict
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.reactions.key import ReactionKey
+from fatigue_planner.reactions.recorded import RecordedQuality, RecordingAccuracy
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +36,7 @@ class ReactionName(NamedTuple):
 
 @dataclass(frozen=True)
 class Reaction:
-    """A reaction whose motion could be simulated, under the name for which it was made.
+    """A reaction whose motion could be simulated, or was recorded, under the name for which it was made.
 
     >>> reaction = reactions["average_man/high/arm"]
     >>> isinstance(reaction, fp.Reaction), reaction.angles_rad().shape
@@ -44,16 +46,31 @@ class Reaction:
     name: ReactionName
     key: ReactionKey
     motion: Motion
-    quality: Quality
+    quality: Quality | RecordedQuality
 
     @property
     def digest(self) -> str:
         """Digest of the key."""
         return self.key.digest
 
+    @property
+    def findings(self) -> list[Finding]:
+        """What no person would do, of a simulated motion; a recorded one is a person's."""
+        return self.quality.plausibility.findings() if isinstance(self.quality, Quality) else []
+
+    @property
+    def assumed(self) -> NDArray[np.bool_]:
+        """Which degrees of freedom (39,) have torques that nobody measured: wrists of hands without markers."""
+        sides = self.quality.assumed_wrists if isinstance(self.quality, RecordedQuality) else ()
+        wrists = tuple(f"{side}_wrist_" for side in sides)
+        return np.array([name.startswith(wrists) for name in DEGREES_OF_FREEDOM])
+
     def torques_nm(self) -> "pd.DataFrame":
-        """Joint torques in N.m over the cycle: a row per tick, indexed by time_s, a column per degree of freedom."""
-        return self._frame(self.motion.torque_nm)
+        """Joint torques in N.m over the cycle: a row per tick, indexed by time_s, a column per degree of freedom.
+
+        NaN where a recording does not show them.
+        """
+        return self._frame(np.where(self.assumed, np.nan, self.motion.torque_nm))
 
     def angles_rad(self) -> "pd.DataFrame":
         """Joint angles in rad over the cycle, indexed and named as the torques."""
@@ -80,17 +97,30 @@ class FailedReaction:
         return self.key.digest
 
 
+class Recorded(NamedTuple):
+    """The key of the import that a reaction is, and the accuracy with which it may be used."""
+
+    key: str
+    accuracy: RecordingAccuracy
+
+
 @dataclass(frozen=True)
 class ReactionRequest:
-    """A reaction to be found in the cache or simulated, and the accuracy with which it may be used."""
+    """A reaction to be found in the cache or simulated, and the accuracy with which it may be used.
+
+    recorded: it is to be found, as it was recorded.
+    """
 
     name: ReactionName
     motion: MotionRequest
     accuracy: Accuracy
+    recorded: Recorded | None = None
 
     @cached_property
     def key(self) -> ReactionKey:
         """What decides the reaction."""
+        if self.recorded is not None:
+            return ReactionKey.of_recorded(self.motion, self.recorded.key)
         return ReactionKey.of(self.motion)
 
     @property
@@ -98,10 +128,25 @@ class ReactionRequest:
         """Digest of the key."""
         return self.key.digest
 
+    @property
+    def asked(self) -> tuple[str, Accuracy, Recorded | None]:
+        """What is asked for, whatever it is called: equal for requests with the same answer."""
+        return self.digest, self.accuracy, self.recorded
+
+    def faults(self, quality: Quality | RecordedQuality) -> list[str]:
+        """Why a reaction of this quality may not be used; empty if it may."""
+        if isinstance(quality, Quality):
+            return quality.faults(self.accuracy)
+        return quality.faults(RecordingAccuracy() if self.recorded is None else self.recorded.accuracy)
+
+    def verdict(self, quality: Quality | RecordedQuality) -> Verdict:
+        """The verdict on a reaction of this quality."""
+        return "failed" if self.faults(quality) else quality.kept_as()
+
     def judged(self, stored: Reaction | FailedReaction) -> Reaction | FailedReaction:
         """A stored reaction under the name of the request; failed if its motion misses the accuracy."""
         if isinstance(stored, Reaction):
-            faults = stored.quality.faults(self.accuracy)
+            faults = self.faults(stored.quality)
             if faults:
                 return FailedReaction(self.name, stored.key, "; ".join(faults))
         return replace(stored, name=self.name)

@@ -7,10 +7,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from fatigue_planner.core.errors import DamagedFileError, DataFileError, OtherVersionError
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.quality import Quality, Verdict
-from fatigue_planner.motion.verification import MismatchError, measure
+from fatigue_planner.motion.verification import MismatchError, check_shape, measure
 from fatigue_planner.reactions.cache import ReactionCache, simulate_and_measure
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName
+from fatigue_planner.reactions.recorded import RecordedQuality, largest_load
 
 # What a check recomputed on another machine may differ by from the stored one (SI); below every bar of the accuracy.
 TOLERANCE = 1e-9
@@ -62,6 +65,8 @@ def faults_of(stored: Reaction | FailedReaction) -> list[str]:
         if isinstance(stored, FailedReaction):
             as_stored = simulate_and_measure(request) == stored.reason
             return [] if as_stored else ["is stored as failed, for another reason than its simulation has"]
+        if isinstance(stored.quality, RecordedQuality):
+            return _recorded_faults(request, stored.motion, stored.quality)
         quality = _flat(measure(request, stored.motion))
     except (MismatchError, DataFileError) as error:
         return [str(error)]
@@ -71,6 +76,16 @@ def faults_of(stored: Reaction | FailedReaction) -> list[str]:
         for check, value in quality.items()
         if (value != noted[check] if isinstance(value, str) else not abs(value - noted[check]) <= TOLERANCE)
     ]
+
+
+def _recorded_faults(request: MotionRequest, motion: Motion, quality: RecordedQuality) -> list[str]:
+    """What of a recorded motion is not what is stored of it. What only the recording shows cannot be computed again."""
+    check_shape(request, motion)
+    share, joint = largest_load(request.maximum_torque, motion)
+    if abs(share - quality.largest_load_share) <= TOLERANCE and joint == quality.largest_load_joint:
+        return []
+    stored = f"{quality.largest_load_share} ({quality.largest_load_joint})"
+    return [f"largest_load_share = {share} ({joint}), stored as {stored}"]
 
 
 def _flat(quality: Quality) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Whether a robot reaches what it shall present, how easily, and what stops it where it does not."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -11,12 +12,15 @@ from fatigue_planner.robot.arm import Arm
 from fatigue_planner.robot.inverse import Freedom, Solution, Surroundings, solve
 from fatigue_planner.robot.kinematics import capsule_ends, frames_of
 from fatigue_planner.robot.settings import PEDESTAL_RADIUS_M, RobotBase, RobotSettings
+from fatigue_planner.robot.shape import RobotShape
 
 Vector = NDArray[np.float64]
 
 # Starts of the search for a pose. Of 6,000 random poses of the three arms that ship, 32 missed one that 500 others
 # found, and 48 none.
 STARTS = 64
+# Starts for a point that the flange shall be at however it points: so many of them, and where it came nearest.
+POINT_STARTS = 15
 NOBODY = (np.empty((0, 2, 3)), np.empty(0))
 
 
@@ -58,7 +62,7 @@ class Cell:
         payload, mass = self.arm.payload_kg, self.settings.hold.mass_kg
         if payload is None or mass <= payload:
             return ""
-        return f"{mass:g} kg to hold; the {self.arm.name} carries {payload:g} kg"
+        return f"{mass:g} kg to hold; it carries {payload:g} kg"
 
     def reach(self, target: Vector, worker: tuple[Vector, Vector] = NOBODY) -> PoseReach:
         """Whether the flange can be at a target (4, 4), as far as it can from a worker's capsules (k, 2, 3) and (k,).
@@ -68,8 +72,13 @@ class Cell:
         freedom = Freedom.ROLL if self.settings.hold.roll_deg is None else Freedom.NONE
         pedestal = self.settings.base_m.pedestal()
         around = Surroundings(pedestal, np.full(len(pedestal), PEDESTAL_RADIUS_M), *worker)
-        found = self._solved(target, freedom, around)
-        reason = self.overloaded() or ("" if found.free else self._reason(target, freedom, around, found))
+        starts = starts_within(self.arm.chain.lower, self.arm.chain.upper)
+        found, joint = self._solved(target, freedom, around, starts), ""
+        if not found.found and (stopped := starts[found.bound]).size:
+            without = self._solved(target, freedom, around, stopped, limited=False, first=True)
+            joint = self._beyond(without.angles) if without.found else ""
+            found = without if without.found and not joint else found
+        reason = self.overloaded() or ("" if found.free else self._reason(target, around, found, starts, joint))
         chain, angles = self.arm.chain, found.angles
         frames = np.empty((angles.size + 2, 4, 4))
         frames_of(chain, self.settings.base_m.placement(), angles, frames)
@@ -80,28 +89,46 @@ class Cell:
             capsule_ends(chain, frames),
         )  # fmt: skip
 
-    def _solved(self, target: Vector, freedom: Freedom, around: Surroundings, limited: bool = True) -> Solution:
+    def shape(self, poses: Sequence[PoseReach], flanges: Vector, times_s: Vector) -> RobotShape:
+        """What is seen of the robot in these poses, with its flange at (w, 4, 4), at times (w,) of the work."""
+        fists = flanges[:, :3, 3] + self.settings.hold.distance_m * flanges[:, :3, 2]
+        pedestal = self.settings.base_m.pedestal()
+        pedestal[:, 0, 2] = np.minimum(PEDESTAL_RADIUS_M, pedestal[:, 1, 2])  # so that its end is not in the ground
+        return RobotShape(
+            np.array([pose.ends_m for pose in poses]), self.arm.chain.radius,
+            np.stack([flanges[:, :3, 3], fists], axis=1), pedestal, times_s,
+        )  # fmt: skip
+
+    def _solved(
+        self,
+        target: Vector,
+        freedom: Freedom,
+        around: Surroundings,
+        starts: Vector,
+        limited: bool = True,
+        first: bool = False,
+    ) -> Solution:
         chain = self.arm.chain
         if not limited:
             wide = np.full(chain.lower.size, 4 * np.pi)
             chain = chain._replace(lower=-wide, upper=wide)
-        starts = starts_within(self.arm.chain.lower, self.arm.chain.upper)
-        return Solution(*solve(chain, self.settings.base_m.placement(), target, int(freedom), around, starts))
+        placement = self.settings.base_m.placement()
+        return Solution(*solve(chain, placement, target, int(freedom), around, starts, first))
 
-    def _reason(self, target: Vector, freedom: Freedom, around: Surroundings, found: Solution) -> str:
-        """What stops the arm: found by taking away one obstacle after the other."""
-        if found.touching:
-            alone = around._replace(solid_ends=NOBODY[0], solid_radius=NOBODY[1])
-            if self._solved(target, freedom, alone).free:
-                return "the arm would touch its pedestal"
-            return "the arm would touch itself or the ground"
-        free = self._solved(target, freedom, around, limited=False)
-        if free.free or free.touching:
-            chain, angles = self.arm.chain, free.angles
-            beyond = np.maximum(chain.lower - angles, angles - chain.upper)
-            return f"the limits of {self.arm.joints[int(beyond.argmax())]} are in the way"
-        anyhow = self._solved(target, Freedom.ALL, around)
-        if anyhow.free or anyhow.touching:
+    def _beyond(self, angles: Vector) -> str:
+        """The joint whose limit these angles (n,) exceed most, if any."""
+        beyond = np.maximum(self.arm.chain.lower - angles, angles - self.arm.chain.upper)
+        return self.arm.joints[int(beyond.argmax())] if beyond.max() > 0 else ""
+
+    def _reason(self, target: Vector, around: Surroundings, found: Solution, starts: Vector, joint: str) -> str:
+        """What stops the arm: found by taking away one obstacle after the other; `joint`: whose limits do."""
+        if found.found:
+            return "the arm would touch its pedestal" if found.on_solid else "the arm would touch itself or the ground"
+        if joint:
+            return f"the limits of {joint} are in the way"
+        few = np.vstack([found.angles, starts[:POINT_STARTS]])
+        anyhow = self._solved(target, Freedom.ALL, around, few, first=True)
+        if anyhow.found:
             return "the flange gets there, but cannot point where it should"
         missed = "less than 1 cm" if anyhow.missed_m < 0.01 else f"{100 * anyhow.missed_m:.0f} cm"
         return f"out of reach by {missed}"

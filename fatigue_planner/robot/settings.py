@@ -33,9 +33,8 @@ class RobotBase(Settings):
 
     def placement(self) -> Vector:
         """The frame (4, 4) of the base in the world."""
-        turn = np.radians(self.yaw_deg)
         frame = np.eye(4)
-        frame[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+        frame[:3, :3] = turn_about_vertical(np.radians(self.yaw_deg))
         frame[:3, 3] = self.x, self.y, self.z
         return frame
 
@@ -116,8 +115,11 @@ class RobotSettings(Settings):
             raise ValueError(f"should be one of {listed(shipped_arms())}, or the path of a .urdf file")
         return arm
 
-    def flange_targets(self, action: Action) -> Vector:
-        """Where the flange has to be for an action, (n, 4, 4): at every waypoint, between the hands where two work."""
+    def flange_targets(self, action: Action) -> tuple[Vector, Vector]:
+        """When in s of the work the flange has to be where for an action: times (n,) and frames (n, 4, 4).
+
+        At every waypoint, between the hands where two work.
+        """
         paths = [goal.path() for goal in action.goals().values()]
         times_s = np.unique([point.work_time_s for path in paths for point in path])
         fists = np.zeros((times_s.size, 3))
@@ -125,8 +127,13 @@ class RobotSettings(Settings):
             points = np.array([point.position_m.vector() for point in path])
             own_s = [point.work_time_s for point in path]
             fists += np.array([np.interp(times_s, own_s, points[:, axis]) for axis in range(3)]).T / len(paths)
-        z = self.hold.direction.unit()
-        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else np.array([1.0, 0.0, 0.0])
+        return times_s, self.flanges_at(fists)
+
+    def flanges_at(self, fists: Vector, turned_rad: float = 0.0) -> Vector:
+        """The flange (n, 4, 4) for fists at (n, 3) m, for workers who are turned by so much to the left."""
+        turned = turn_about_vertical(turned_rad)
+        z = turned @ self.hold.direction.unit()
+        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else turned[:, 0]
         x = up - (up @ z) * z
         x /= np.linalg.norm(x)
         turn = np.radians(self.hold.roll_deg or 0.0)
@@ -135,3 +142,9 @@ class RobotSettings(Settings):
         targets[:, :3, :3] = np.column_stack([x, np.cross(z, x), z])
         targets[:, :3, 3] = fists - self.hold.distance_m * z
         return targets
+
+
+def turn_about_vertical(angle_rad: float) -> Vector:
+    """The rotation (3, 3) by an angle to the left."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -70,7 +70,7 @@ def classified(task: Task, simulated: Simulated) -> Outcome:
     A motion that fails, and succeeds without its load, fails for want of strength; else the hand misses its place by
     what it is away from it. What fails otherwise, or shows what no person does, is implausible.
     """
-    quality = simulated.quality
+    quality = _quality(simulated)
     findings = tuple(quality.plausibility.findings()) if quality else ()
     outcome = Outcome(
         task.doing,
@@ -92,13 +92,18 @@ def classified(task: Task, simulated: Simulated) -> Outcome:
     return outcome
 
 
+def _quality(simulated: Simulated) -> Quality | None:
+    """The quality of a simulated motion; a station has no recorded ones."""
+    return simulated.quality if isinstance(simulated.quality, Quality) else None
+
+
 def odd_postures(quality: Quality) -> list[Finding]:
     """What a motion shows of postures that no person has at work."""
     return [finding for finding in quality.plausibility.findings() if finding.measure not in SMOOTHNESS]
 
 
 def _kind(task: Task, simulated: Simulated) -> Kind:
-    quality = simulated.quality
+    quality = _quality(simulated)
     if simulated.verdict != "failed":
         return "implausible" if quality is not None and odd_postures(quality) else "reached"
     accuracy = task.request.accuracy

@@ -50,6 +50,7 @@ def test_numbers_and_paths_become_strict_json() -> None:
         json_text({"a": object()})
 
 
+@pytest.mark.slow
 def test_simulate(cache_folder: Path, tmp_path: Path) -> None:
     found = document("simulate", PAPER, "--cache", cache_folder)
     assert found["folder"] == str(cache_folder) and (found["found"], found["simulated"], found["failed"]) == (4, 0, 0)
@@ -89,6 +90,7 @@ def test_validate(tmp_path: Path) -> None:
     assert found["kind"] is None and "line 1" in found["faults"][0]["message"]
 
 
+@pytest.mark.slow
 def test_cache(cache_folder: Path, tmp_path: Path) -> None:
     where = ["--cache", cache_folder]
     found = document("cache list", *where)

@@ -31,7 +31,7 @@ def test_every_commands_help_names_the_exit_codes() -> None:
     commands += [
         (group, name) for group in ("human", "cache", "live", "record") for name in root.commands[group].commands
     ]
-    assert len(commands) == 1 + 18 + 3 + 6 + 11 + 3
+    assert len(commands) == 1 + 18 + 3 + 6 + 12 + 4
     for words in commands:
         done = fatplan(*words, "--help")
         assert done.returncode == 0 and "Exit codes: 0 done; 1 internal error;" in " ".join(done.stdout.split()), words
@@ -128,6 +128,7 @@ def test_a_reader_that_has_gone_is_no_fault() -> None:
         assert running.wait(timeout=60) == -13  # as the shell's own programs: SIGPIPE
 
 
+@pytest.mark.slow
 def test_as_a_module_it_is_the_same_program() -> None:
     module = [sys.executable, "-m", "fatigue_planner"]
     for words in (["--version"], ["simulate", "none.yaml", "--json"]):

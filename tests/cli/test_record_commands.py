@@ -1,13 +1,21 @@
 """`fatplan record`: files checked, reactions recognised, in words and as JSON."""
 
+import json
+import os
+import shutil
 from pathlib import Path
 
 import pytest
 import yaml
+from browser import chromium
 from commands import fatplan, refused
+from conftest import PAPER
 from recorded import LABELS, figure, trc
+from simulated_recording import record
 from test_cli_json import document
 
+from fatigue_planner.experiment.loader import load_experiment
+from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.recordings.recognition.stored import load_recogniser
 
 
@@ -107,3 +115,103 @@ def test_the_command_writes_what_it_says(tmp_path: Path) -> None:
     text = fatplan(*command)
     assert text.returncode == 0 and "low: 95 % are recognised" in text.stdout
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+MIXED = """
+benchmark:
+  conditions: {novice: {initial_belief: single, expertise: 0}}
+  n_cycles: [3]
+  trials: 2
+  policies: {random: {kind: random}, greedy: {kind: greedy}}
+statistics: {}
+figures: {}
+"""
+
+
+@pytest.fixture(scope="module")
+def recorded(cache_folder: Path, reactions: tuple[Reaction, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the paper's cache and experiment, and a recording of its first reaction."""
+    folder = tmp_path_factory.mktemp("recorded")
+    shutil.copytree(cache_folder, folder / "cache")
+    record(load_experiment(PAPER), reactions[0], folder)
+    content = yaml.safe_load(PAPER.read_text()) | yaml.safe_load(MIXED)
+    (folder / "mixed.yaml").write_text(yaml.safe_dump(content, sort_keys=False))
+    return folder
+
+
+def imported(folder: Path, *more: object) -> tuple[object, ...]:
+    stem = "average_man-high-arm"
+    files, about = (f"{stem}.trc", f"{stem}_plates.mot"), ("--subject", "average_man.yaml")
+    return (*files, *about, "--experiment", "mixed.yaml", "--action", "high", "--preference", "arm", *more)
+
+
+def test_what_cannot_be_imported_is_said_before_anything_is_read(recorded: Path) -> None:
+    def message(*changed: object) -> str:
+        done = fatplan("record", "import", *imported(recorded, *changed), cwd=recorded)
+        assert done.returncode == 2 and not done.stdout
+        return done.stderr
+
+    assert "--action 'higher': not in the experiment; available: high, low." in message("--action", "higher")
+    assert "--preference 'leg': not in the experiment; available: arm, back." in message("--preference", "leg")
+    assert "--phases 'now': four times in s with commas between" in message("--phases", "now")
+    assert "no.yaml" in message("--subject", "no.yaml")
+    assert "nonsense: neither a file nor a mapping" in message("--mapping", "nonsense")
+    assert (
+        "no.trc: is not there." in fatplan("record", "import", "no.trc", *imported(recorded)[2:], cwd=recorded).stderr
+    )
+
+
+def check_pages(folder: Path, key: str) -> None:
+    """What one looks at before believing a torque: nothing is loaded from elsewhere, anybody can use it."""
+    text = (folder / "report.html").read_text()
+    assert "Verdict: <code>ok</code>" in text and f"&#39;{key}&#39;" in text
+    assert all(
+        f">{title}</a>" in text for title in ("Markers", "What no plate explains", "Joint angles", "Joint torques")
+    )
+    assert {"markers.csv", "residuals.csv", "angles.csv", "torques.csv"} <= {file.name for file in folder.iterdir()}
+    view = (folder / "view.html").read_text()
+    assert "a marker of the recording" in view
+    with chromium(folder / "profile") as page:
+        for width in (1400, 390):
+            page.open((folder / "report.html").as_uri(), width)
+            page.until("document.readyState == 'complete' && document.querySelectorAll('figure').length == 4")
+            assert page.faults() == []
+            assert page.value("document.documentElement.scrollWidth <= window.innerWidth")
+        assert all(address.startswith(("file:", "data:", "about:")) for address in page.requests)
+
+
+@pytest.mark.slow
+def test_a_mixed_experiment_runs(recorded: Path) -> None:
+    """One reaction recorded, three simulated: simulate, benchmark, report, schedule, view, and the cache's commands."""
+
+    def done(*words: object) -> str:
+        ended = fatplan(*words, cwd=recorded)
+        assert ended.returncode == 0, ended.stderr
+        return ended.stdout
+
+    before = Path.cwd()
+    os.chdir(recorded)
+    try:
+        found = document("record import", *imported(recorded, "--phases", "0.5,5.5,11.5,16.5"))
+    finally:
+        os.chdir(before)
+    assert (found["verdict"], found["name"]) == ("ok", "average_man/high/arm")
+    check_pages(recorded / found["folder"], found["key"])
+    mixed = yaml.safe_load((recorded / "mixed.yaml").read_text())
+    mixed["recorded"] = {"average_man": {"high": {"arm": found["key"]}}}
+    (recorded / "mixed.yaml").write_text(yaml.safe_dump(mixed, sort_keys=False))
+    assert "average_man/high/arm             recorded, ok; hand within" in done("simulate", "mixed.yaml")
+    done("benchmark", "mixed.yaml", "--jobs", "1")
+    done("report", "mixed.yaml")
+    page = (recorded / "results" / "paper" / "report.html").read_text()
+    assert "1 reaction was recorded, not simulated" in page and found["key"] in page
+    done("schedule", "mixed.yaml", "--trials", "2")
+    done("view", "mixed.yaml", "--save", "poses.png")
+    assert "recorded" not in done("cache", "why", "mixed.yaml")
+    assert json.loads(done("cache", "verify", "--json"))["counts"] == {"ok": 1, "implausible": 4}
+    done("cache", "export", "mixed.yaml", "all.zip")
+    assert "4 taken" in done("cache", "import", "all.zip", "--cache", "other")
+    wrong = {"recorded": {"average_man": {"high": {"arm": "0" * 16}}}}
+    (recorded / "wrong.yaml").write_text(yaml.safe_dump(mixed | wrong, sort_keys=False))
+    gone = fatplan("simulate", "wrong.yaml", cwd=recorded)
+    assert gone.returncode == 2 and "recorded reactions are not there: average_man/high/arm" in gone.stderr

@@ -102,6 +102,7 @@ def test_what_a_schedule_cannot_be_made_of_is_refused(cache_folder: Path, tmp_pa
     assert missing.returncode == 2 and "fatplan simulate" in missing.stderr
 
 
+@pytest.mark.slow
 def test_a_policy_that_names_what_a_worker_cannot_do_is_refused_before_work(tmp_path: Path) -> None:
     text = PAPER.read_text()
     far = text.replace(

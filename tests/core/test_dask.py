@@ -125,6 +125,7 @@ def test_where_no_scheduler_is_there_is_one_message() -> None:
             list(DaskCluster(address).run(square, [1]))
 
 
+@pytest.mark.slow
 def test_workers_that_could_give_other_results_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -174,6 +175,7 @@ def certificate(folder: Path) -> dict[str, str]:
     return settings
 
 
+@pytest.mark.slow
 def test_with_tls_only_who_has_the_key_gets_in(tmp_path: Path) -> None:
     import dask as dask_library
 

@@ -155,6 +155,7 @@ def check(
         assert_whole(own)
 
 
+@pytest.mark.slow
 def test_a_full_disk_at_some_calls_damages_nothing(
     small: Experiment, undisturbed: tuple[Remembering, list[str], Any], tmp_path: Path
 ) -> None:

@@ -181,6 +181,7 @@ class Kind(Enum):
 """
 
 
+@pytest.mark.slow
 def test_changed_sources_never_run_stale_code(tmp_path: Path) -> None:
     """A problem of one's own, changed without a change of size or time of its files: in kernels and by itself.
 

@@ -44,6 +44,9 @@ recognition:
   back: {arm: 0.2, back: 0.7, unclear: 0.1}
 recognition_by_action:
   low: {arm: {arm: 0.8, back: 0.2}, back: {back: 1}}
+recorded:
+  average_man: {low: {arm: 0123456789abcdef}}
+recording_accuracy: {marker_rms_m: 0.03, wrist_load_kg: 1}
 robot:
   arm: ur5e
   base_m: {x: 1.1, z: 0.5}

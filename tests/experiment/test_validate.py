@@ -110,6 +110,7 @@ def test_schemas_are_printed_as_json(kind: str) -> None:
     assert printed["$schema"].endswith("2020-12/schema") and printed["type"] == "object"
 
 
+@pytest.mark.slow
 def test_a_dry_run_counts_and_writes_nothing(cache_folder: Path, tmp_path: Path) -> None:
     grid = ["--cycles", 5, "--conditions", "single_novice", "--trials", 4, "--policies", "greedy"]
     where = ["--cache", cache_folder, "--results", tmp_path / "r"]

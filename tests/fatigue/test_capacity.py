@@ -48,6 +48,7 @@ def lived_through(own: Capacity, law: FatigueLaw, parameters: FatigueParameters,
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("elbow", "knee"), [(0.3, 0.2), (0.5, 0.2), (0.72, 0.2), (0.2, 0.95), (0.7, 0.8), (0.2, 1.1)])
 def test_the_first_shortfall_is_found(law: FatigueLaw, elbow: float, knee: float) -> None:

@@ -95,6 +95,7 @@ def made(
     return report(report_data(small, reactions, folder, file), figures), figures
 
 
+@pytest.mark.slow
 def test_the_page_stands_alone(made: tuple[str, FigureFolder]) -> None:
     text, _ = made
     read = Page(text)
@@ -106,6 +107,7 @@ def test_the_page_stands_alone(made: tuple[str, FigureFolder]) -> None:
     assert "http" not in re.sub(r"base64,[\w+/=]+", "", text)
 
 
+@pytest.mark.slow
 def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder]) -> None:
     text, figures = made
     read = Page(text)
@@ -118,6 +120,7 @@ def test_every_figure_has_its_data_and_its_words(made: tuple[str, FigureFolder])
     assert {path.name for path in figures.files if path.suffix == ".csv"} <= files
 
 
+@pytest.mark.slow
 def test_the_first_sentences_say_what_planning_is_worth(
     small: Experiment, reactions: tuple[Reaction, ...], made: tuple[str, FigureFolder], tmp_path: Path
 ) -> None:
@@ -442,5 +445,6 @@ def test_raised_arms_are_timed_and_counted_for_every_policy(
     assert overhead_sentences(data, {reaction.name: ArmHold(0.0, 20.0) for reaction in reactions}) == []
 
 
+@pytest.mark.slow
 def test_motions_that_no_person_would_make_are_listed(made: tuple[str, FigureFolder]) -> None:
     assert "0 motions of 4 could be a person" in made[0] and "face turned away from the work by" in made[0]

@@ -90,6 +90,7 @@ def toward(view: StartView) -> Vector:
     return np.asarray(direction / np.linalg.norm(direction))
 
 
+@pytest.mark.slow
 def test_the_back_and_the_working_hand_are_seen_from_behind_on_its_side(clips: list[MotionClip]) -> None:
     for clip in clips[::3]:
         view = start_view(clip)
@@ -104,6 +105,7 @@ def test_the_left_hand_is_looked_at_from_the_left(clips: list[MotionClip]) -> No
     assert toward(start_view(replace(clips[0], working=("left",))))[1] > 0
 
 
+@pytest.mark.slow
 def test_a_hand_hidden_by_the_body_is_looked_for_from_elsewhere(clips: list[MotionClip]) -> None:
     """Held far left before the belly it is behind the trunk for who stands behind on the right."""
     usual, hidden = start_view(clips[0]), stiff(clips[0], 0.2, 0.25, 1.05)

@@ -26,11 +26,12 @@ from scipy.spatial import ConvexHull
 from fatigue_planner.cli.view import view
 from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.experiment.build import reaction_requests, worker_fatigue
+from fatigue_planner.experiment.robot_cell import RobotCell
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.output.figures.postures import filmstrip
-from fatigue_planner.output.viewer.body_shapes import body_shapes
+from fatigue_planner.output.viewer.body_shapes import body_shapes, capsule_shape
 from fatigue_planner.output.viewer.motion_clip import MotionClip, motion_clip_of
 from fatigue_planner.output.viewer.page import FRAMES_PER_S, Recording, page, record
 from fatigue_planner.output.viewer.scene import (
@@ -41,6 +42,7 @@ from fatigue_planner.output.viewer.scene import (
 )
 from fatigue_planner.output.viewer.start_view import start_view
 from fatigue_planner.reactions.reaction import Reaction, ReactionName
+from fatigue_planner.robot.settings import RobotBase, RobotSettings
 
 SHOWN = "average_man/low/back"
 
@@ -77,7 +79,11 @@ def html(cache_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
 def messages(html: str) -> list[tuple[float, dict[str, Any]]]:
     """What the page's recording tells the viewer, with times in s."""
     (reaction,) = reactions_of(html)
-    stream = io.BytesIO(base64.b64decode(reaction["motion"])[8:])
+    return messages_of(reaction["motion"])
+
+
+def messages_of(data: str) -> list[tuple[float, dict[str, Any]]]:
+    stream = io.BytesIO(base64.b64decode(data)[8:])
     raw = zstandard.ZstdDecompressor().stream_reader(stream).read()
     length = int.from_bytes(raw[:8], "little")
     return [(time, message) for time, message in msgspec.msgpack.decode(raw[8 : 8 + length])["messages"]]
@@ -256,6 +262,29 @@ def test_the_menu_tells_what_no_person_would_do(html: str, shown: MotionClip) ->
     assert 'id="failed"' not in html
 
 
+def test_the_robot_stands_where_it_presents(paper: Experiment, clips: list[MotionClip]) -> None:
+    robot = RobotSettings(arm="ur5e", base_m=RobotBase(x=1.1, y=-0.25, z=0.5))
+    cell, clip = RobotCell(paper.model_copy(update={"robot": robot})), clips[0]
+    shape = cell.shape("high")
+    assert shape is not None and shape.waypoint(3.0) == 0
+    presented = replace(clip, robot=shape, remarks=(cell.said(clip.name, clip.motion),))
+    recording = record(presented)
+    told = [message for _, message in messages_of(recording.data) if message.get("name", "").startswith("/robot/")]
+    meshes = [message for message in told if "vertices" in message.get("props", {})]
+    ends, radii = shape.parts(0)
+    assert len(meshes) == len(radii) == 1 + 11 + 1  # pedestal, arm, and what it holds the object with
+    for (start, end), radius in zip(ends, radii, strict=True):
+        vertices, along = capsule_shape(np.array([start, end]), radius).vertices, end - start
+        share = np.clip((vertices - start) @ along / max(along @ along, 1e-12), 0, 1)
+        away = np.linalg.norm(vertices - start - share[:, None] * along, axis=1)
+        assert 0.95 * radius < away.min() and away.max() == pytest.approx(radius)  # spheres of flat facets
+    np.testing.assert_allclose(shape.holder[0, 1], clip.objects[0].position_m, atol=1e-12)
+    assert recording.robot and "robot as capsules" in page("paper", [recording], [], "m").html
+    assert "robot as capsules" not in page("paper", recordings(["shelf"]), [], "m").html
+    assert re.fullmatch(r"The robot comes as near as -?\d+ cm to the [a-z ]+, at \d+\.\d s.*\.", presented.remarks[0])
+    assert len(filmstrip([presented], [8.0]).axes[0].patches) == len(filmstrip([clip], [8.0]).axes[0].patches) + 13
+
+
 def recordings(names: list[str], data: str = "AAAA") -> list[Recording]:
     return [Recording(ReactionName("anna", name, "arm"), "ok", [], data) for name in names]
 
@@ -283,6 +312,7 @@ def test_motions_too_large_for_the_page_lie_beside_it(monkeypatch: pytest.Monkey
     assert places == ["my%20view%23_motions/1.js", "my%20view%23_motions/2.js"]
 
 
+@pytest.mark.slow
 def test_the_command_puts_motions_beside_a_large_page(
     cache_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -8,7 +8,14 @@ from scipy.special import logsumexp
 from fatigue_planner.core.errors import RecognitionError
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.recordings.recognition.action_model import ActionModel, moderated
-from fatigue_planner.recordings.recognition.calibration import calibration_error, fitted_temperature, posterior
+from fatigue_planner.recordings.recognition.calibration import (
+    blocks_of,
+    calibration_error,
+    chance_errors,
+    fitted_temperature,
+    posterior,
+    reliability,
+)
 from fatigue_planner.recordings.recognition.confusion import Confusion, design_effect, group_names, groups_of
 from fatigue_planner.recordings.recognition.recogniser import train
 from fatigue_planner.recordings.recognition.repetitions import N_PARTS, WORK, Repetitions, of_stream, part_ends_s
@@ -162,6 +169,34 @@ def test_the_calibration_error_of_known_cases() -> None:
     probability = np.array([[0.9, 0.1]] * 10 + [[0.35, 0.65]] * 10)
     truth = np.array([0] * 9 + [1] + [1] * 5 + [0] * 5)
     assert calibration_error(probability, truth) == pytest.approx(0.15 / 2)
+
+
+def test_what_chance_alone_makes_of_a_calibration_error() -> None:
+    """Of true probabilities the errors are those that chance predicts; of others and of people alike, larger."""
+    rng = np.random.default_rng(8)
+    confidence = rng.uniform(0.5, 1, 4000)
+    probability = np.stack([confidence, 1 - confidence], axis=1)
+    alone = np.arange(len(confidence))
+    chance = chance_errors(probability, alone, rng, 400)
+    true = [
+        calibration_error(probability, (rng.random(len(confidence)) >= confidence).astype(np.int64)) for _ in range(400)
+    ]
+    assert np.mean(true) == pytest.approx(chance.mean(), rel=0.06)
+    assert np.quantile(true, 0.95) == pytest.approx(np.quantile(chance, 0.95), rel=0.1)
+    boast = (rng.random(len(confidence)) >= 0.9 * confidence).astype(np.int64)
+    assert calibration_error(probability, boast) > chance.max()
+    people = np.repeat([f"p{number}" for number in range(400)], 10)
+    blocks = blocks_of(people, np.zeros(4000, np.int64), 10)
+    own = np.repeat(probability[:400], 10, axis=0)  # a person is as sure in all repetitions
+    assert chance_errors(own, blocks, rng, 400).mean() == pytest.approx(chance.mean() * np.sqrt(10), rel=0.1)
+
+
+def test_blocks_are_of_one_persons_reaction() -> None:
+    people, reactions = np.array(list("aaaabbbb")), np.array([0, 1, 0, 0, 0, 0, 1, 1])
+    assert blocks_of(people, reactions, 2).tolist() == [0, 2, 0, 1, 3, 3, 4, 4]
+    assert len(set(blocks_of(people, reactions, 1).tolist())) == 8
+    bins = reliability(np.array([0.91, 0.99, 0.55, 1.0]), np.array([True, False, True, True]))
+    assert bins == [(1, 0.55, 1.0), (3, pytest.approx(29 / 30), pytest.approx(2 / 3))]
 
 
 def test_the_intervals_of_a_row_are_those_of_its_dirichlet_distribution(rng: np.random.Generator) -> None:

@@ -33,8 +33,8 @@ def test_planning_has_no_action_that_the_robot_cannot_present(reactions: tuple[R
     assert {name.action for name in profiles} == {"low"}
     condition = experiment.benchmark.conditions["single_novice"]
     assert scenario(experiment, profiles, condition).model.actions == ("low",)
-    (said,) = omissions(experiment, profiles)
-    assert said.startswith("average_man cannot perform high (with arm or back), or the robot cannot present it")
+    (said,) = omissions(experiment, profiles, profiles.ruled_out)
+    assert said == "The robot cannot present 1 of 2 actions, left out of all conditions: high (out of reach by 18 cm)."
 
 
 def test_a_reaction_too_near_to_the_arm_is_left_out(reactions: tuple[Reaction, ...]) -> None:
@@ -44,7 +44,18 @@ def test_a_reaction_too_near_to_the_arm_is_left_out(reactions: tuple[Reaction, .
     limit = float(np.mean(sorted(near.values())[1:3]))
     kept = cycle_profiles(with_robot(base_m=raised, clearance_m=limit), reactions)
     assert set(kept) == {name for name, distance in near.items() if distance >= limit}
-    assert 0 < len(kept) < len(near)
+    assert 0 < len(kept) < len(near) and set(kept.ruled_out) == set(near) - set(kept)
+    said = omissions(with_robot(base_m=raised, clearance_m=limit), kept, kept.ruled_out)
+    count = len({name.action for name in kept.ruled_out})
+    start = (
+        f"The robot would come nearer than {limit:g} m to average_man in {count} of 2 actions, left out of this worker"
+    )
+    assert said[0].startswith(start) and "cannot perform" not in said[0]
+    nearest = min(near, key=near.__getitem__)
+    assert (
+        f"{nearest.action} ({100 * near[nearest]:.0f} cm from the " in said[0]
+        and f"with {nearest.preference})" in said[0]
+    )
 
 
 def test_the_distance_is_that_of_points_of_arm_and_body(reactions: tuple[Reaction, ...]) -> None:

@@ -14,6 +14,7 @@ from settings_leaves import Leaf, Path, leaves
 from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.experiment.loader import parse_experiment, read_content
 from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.reactions.recorded import RecordingAccuracy
 
 Content = dict[str, Any]
 CHOICE = {"kind": "choice", "values": [0.8, 1.25], "probabilities": [0.5, 0.5]}
@@ -23,6 +24,8 @@ POINT = {"x": 0.4, "y": -0.2, "z": 1.1}
 TURN = {"x": 5.0, "y": -90.0, "z": 5.0}
 PHASES = ["reach", "work", "return"]
 POSTURE = {"knee_flexion": 5.0, "hip_flexion": 2.5, "ankle_flexion": 2.5, "elbow_flexion": 15.0}
+# What the woman was recorded to do.
+RECORDED = (("low", "arm"), ("high", "back"))
 HIDDEN = ("fatigue_rate_factor", "recovery_rate_factor", "expertise")
 
 
@@ -119,6 +122,11 @@ def _experiment() -> Content:
     names = list(content["preferences"])
     content["recognition"] = {name: {other: float(other == name) for other in names} for name in names}
     content["recognition_by_action"] = {"low": copy.deepcopy(content["recognition"])}
+    for action, preference in RECORDED:
+        content.setdefault("recorded", {}).setdefault("woman", {}).setdefault(action, {})[preference] = (
+            f"{len(action + preference):016x}"
+        )
+    content["recording_accuracy"] = RecordingAccuracy(wrist_load_kg=1.0).model_dump()
     content["choice_models"] = {
         "plain": {"kind": "boltzmann"}, "liked": {"kind": "offset", "offsets": {"arm": 0.5}},
         "habit": {"kind": "inertia", "inertia": 1.0, "offsets": {"back": 0.2}},
@@ -207,7 +215,17 @@ def _conditions(key: str) -> Callable[[str], set[str]]:
 OF_WORKER, OF_START, OF_HIDDEN, OF_CHOICES = map(
     _conditions, ("worker", "initial_belief", "hidden_worker", "choice_model")
 )
+OF_SIMULATION = (
+    "solver", "weights.*", "stiffness_per_s2.*", "regularisation.*", "centre_of_mass_shift_m", "friction_coefficient",
+    "torque_limit_factor", "velocity_limit_radps", "acceleration_limit_radps2",
+)  # fmt: skip
 EVERYWHERE = {"cells": lambda leaf, condition, policy: True, "bounds": lambda leaf, condition: True}
+
+
+def was_recorded(name: tuple[str, str, str]) -> bool:
+    return name[0] == "woman" and name[1:] in RECORDED
+
+
 ALL_MOTIONS = {"reactions": lambda leaf, name: True}
 
 RULES = (
@@ -230,13 +248,17 @@ RULES = (
         cells=lambda leaf, condition, policy: condition in OF_WORKER(leaf.path[1]),
         bounds=lambda leaf, condition: condition in OF_WORKER(leaf.path[1]),
     ),
-    Rule(("tool.*", "cycle.*", "controller.*"), "common to all motions; what runs see of it is the torques",
+    Rule(("tool.*", "cycle.*_s", "controller.time_step_s"), "common to all motions; what runs see of it is the torques",
          **ALL_MOTIONS),
-    Rule(("accuracy.*",), "decides whether a motion may be used, when it is read"),
+    Rule(("cycle.return_hand", *(f"controller.{name}" for name in OF_SIMULATION)), "how the simulated human moves",
+         reactions=lambda leaf, name: not was_recorded(name)),
+    Rule(("recorded.*",), "which recording this reaction is",
+         reactions=lambda leaf, name: name == leaf.path[1:]),
+    Rule(("accuracy.*", "recording_accuracy.*"), "decides whether a motion may be used, when it is read"),
     Rule(("actions.*",), "where this action takes the hands, and its loads",
          reactions=lambda leaf, name: name[1] == leaf.path[1]),
-    Rule(("preferences.*",), "how the body moves with this preference",
-         reactions=lambda leaf, name: name[2] == leaf.path[1]),
+    Rule(("preferences.*",), "how the simulated body moves with this preference",
+         reactions=lambda leaf, name: name[2] == leaf.path[1] and not was_recorded(name)),
     Rule(
         (
             "fatigue.law.*", "fatigue.fatigue_rate_per_s", "fatigue.recovery_rate_per_s", "fatigue.rest_multiplier",

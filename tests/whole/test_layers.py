@@ -20,6 +20,7 @@ INNER_ROOMS = {
     "study": ["statistics", "benchmark", "environments", "claims", "sensitivity"],
     "output": ["viewer", "figures", "reports"],
     "planners": ["schedules", "pomcp", "bounds"],
+    "station": ["line"],
 }
 MAX_ROOMS, MAX_FLOORS = 17, 11
 

@@ -5,6 +5,7 @@ import time
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable
+from typing import Any
 
 from fatigue_planner.core.errors import FaceRefusedError, FaceUnreachableError, SelectionError
 from fatigue_planner.live.clients.connection import Address, Answer, Connection, Watch
@@ -19,11 +20,13 @@ class Client(ABC):
     """A process of its own that follows a shift: `look` is called after every change of the state, and regularly.
 
     ignored: by reason, how often something was not believed. say: where messages go, each once per reason in a row.
+    state: what the face said last, as `SessionState`.
     """
 
     def __init__(self, address: Address, say: Callable[[str], None]) -> None:
         self.connection = Connection(address, PATIENCE_S)
         self.ignored: Counter[str] = Counter()
+        self.state: dict[str, Any] = {}
         self._watch, self._tell, self._said = Watch(address), say, ""
 
     @abstractmethod
@@ -53,7 +56,7 @@ class Client(ABC):
                     if time.monotonic() - answered_s > PATIENCE_S:
                         self.say("the face does not answer")
                     continue
-                answered_s = time.monotonic()
+                answered_s, self.state = time.monotonic(), state
                 if state["rehearsal"]:
                     raise SelectionError("the shift is a rehearsal; no device takes part in it.")
                 names = tuple(state["actions"]), tuple(state["reactions"])

@@ -22,12 +22,16 @@ FEWEST_PLACES = 6
 
 
 def torque_table(reactions: Sequence[Reaction], parameters: Mapping[str, FatigueParameters]) -> pd.DataFrame:
-    """Mean load of every entry during work: N.m, share of the worker's (mean) strength, and the threshold."""
+    """Mean load of every entry during work: N.m, share of the worker's (mean) strength, and the threshold.
+
+    NaN where a recording does not show it.
+    """
     rows = []
     for reaction in reactions:
         own = parameters[reaction.name.worker]
         work = reaction.motion.phase("work")
         mean, strength = loads(reaction.motion.torque_nm[work]).mean(axis=0), strength_nm(reaction.motion, own)
+        mean[np.tile(reaction.assumed, 2)] = np.nan
         most = strength[0] if len(strength) == 1 else strength[work].mean(axis=0)
         rows += [
             reaction.name._asdict()

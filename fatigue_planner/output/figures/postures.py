@@ -21,6 +21,7 @@ from fatigue_planner.human.skeleton import JOINTS, SIDES
 from fatigue_planner.output.figures.style import SETTINGS, house_style, new_figure, set_title, wrapped
 from fatigue_planner.output.viewer.motion_clip import MotionClip
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.robot.shape import RobotShape
 
 Vector = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ CAPSULES = (
         ("thigh", "shank", 0.040), ("shank", "foot", 0.028), ("heel", "toe", 0.020),
     )),
 )  # fmt: skip
-_BODY, _RIGHT, _TOOL = "#C9D1D9", "#9AA8B5", "#0072B2"
+_BODY, _RIGHT, _TOOL, _ROBOT = "#C9D1D9", "#9AA8B5", "#0072B2", "#3E546A"
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,15 @@ def draw_human(axes: Axes, human: Human, points: Mapping[str, Vector], view: Vie
     axes.set_axis_off()
 
 
+def draw_robot(axes: Axes, robot: RobotShape, waypoint: int, view: View) -> None:
+    """Draw the robot at a waypoint as capsules, behind the human, far parts first."""
+    ends, radii = robot.parts(waypoint)
+    for i in np.argsort(ends.sum(axis=1) @ view.towards):
+        start, end = (np.array([point @ view.across, point[2]]) for point in ends[i])
+        outline = _capsule(start, end, radii[i])
+        axes.fill(*outline.T, facecolor=_ROBOT, edgecolor="white", linewidth=0.6, zorder=0.5)
+
+
 def fit_panels(panels: Sequence[Axes], human: Human) -> None:
     """Give panels that show a human the same limits: those of all that is drawn, and of a body standing straight."""
     stature = human.anthropometry.stature_m
@@ -129,9 +139,15 @@ def _capsule(start: Vector, end: Vector, radius: float) -> Vector:
 
 @house_style()
 def posture_figure(
-    human: Human, reactions: Sequence[Reaction], parameters: FatigueParameters
+    human: Human,
+    reactions: Sequence[Reaction],
+    parameters: FatigueParameters,
+    robots: Mapping[str, RobotShape | None] | None = None,
 ) -> tuple[Figure, pd.DataFrame]:
-    """A worker's reactions at mid-work, joints coloured by load; landmarks and loads as data."""
+    """A worker's reactions at mid-work, joints coloured by load; landmarks and loads as data.
+
+    `robots`: by action the arm that presents it, if there is one that can.
+    """
     few = len(reactions) <= FEW
     across = len(reactions) if few else _columns(reactions)
     views: tuple[View, ...] = (SIDE, FRONT) if few else (SIDE,)
@@ -148,6 +164,9 @@ def posture_figure(
         row, column = divmod(index, across)
         for number, view in enumerate(views):
             panel = axes[row * len(views) + number, column]
+            if robot := (robots or {}).get(reaction.name.action):
+                work_time_s = (tick - reaction.motion.phase("work").start) * reaction.motion.time_step_s
+                draw_robot(panel, robot, robot.waypoint(work_time_s), view)
             draw_human(panel, human, points, view, working_hands(reaction))
             if few and column == 0:
                 panel.text(-0.05, 0.5, view.name, transform=panel.transAxes, rotation=90, va="center")
@@ -190,6 +209,8 @@ def filmstrip(clips: Sequence[MotionClip], times_s: Sequence[float]) -> Figure:
         for panel, time in zip(panels, times, strict=False):
             tick = clip.tick(time)
             points = landmarks(clip.human, clip.motion.configuration[tick])
+            if clip.robot is not None:
+                draw_robot(panel, clip.robot, clip.robot_waypoint(tick), SIDE)
             draw_human(panel, clip.human, points, SIDE, clip.working)
             discs = draw_joint_loads(panel, points, clip.instant(tick).joint_share, SIDE)
             set_title(panel, f"{clip.phase(tick)}, {time:g} s")

@@ -1,4 +1,4 @@
-"""The shapes of a body, one convex hull per segment; for the eye only, the mechanics knows nothing of them."""
+"""The shapes of a body, one convex hull per segment, and of capsules; for the eye only, the mechanics knows none."""
 
 from dataclasses import dataclass
 
@@ -16,6 +16,7 @@ Point = tuple[float, float, float]
 _REFERENCE_KG_PER_M = 75 / 1.75
 _SLENDER = ("head", "hand", "foot")  # bodies whose girth does not follow the mass
 _RINGS, _PER_RING = 13, 24  # points of a sphere
+_COARSE_RINGS, _COARSE_PER_RING = 9, 14  # of one that many are drawn of
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,11 @@ def body_shapes(anthropometry: Anthropometry) -> dict[str, Shape]:
     return shapes
 
 
+def capsule_shape(ends: Vector, radius: float) -> Shape:
+    """The shape of a capsule with these ends (2, 3) m."""
+    return _hull(np.concatenate([end + radius * _unit_sphere(_COARSE_RINGS, _COARSE_PER_RING) for end in ends]))
+
+
 def _shape(body: str, rows: tuple[_Row, ...], anthropometry: Anthropometry, mirror: float) -> Shape:
     stature = anthropometry.stature_m
     girth = 1.0 if body in _SLENDER else float(np.sqrt(anthropometry.mass_kg / stature / _REFERENCE_KG_PER_M))
@@ -102,6 +108,11 @@ def _shape(body: str, rows: tuple[_Row, ...], anthropometry: Anthropometry, mirr
     ])  # fmt: skip
     if body == "foot":  # flat below
         points[:, 2] = np.maximum(points[:, 2], anthropometry.sole_rectangle()[3])
+    return _hull(points)
+
+
+def _hull(points: Vector) -> Shape:
+    """The convex hull of points (n, 3) m."""
     hull = ConvexHull(points)
     used, faces = np.unique(hull.simplices, return_inverse=True)
     first, second, third = np.moveaxis(points[hull.simplices], 1, 0)
@@ -110,7 +121,7 @@ def _shape(body: str, rows: tuple[_Row, ...], anthropometry: Anthropometry, mirr
     return Shape(points[used], np.where(inwards[:, None], faces[:, ::-1], faces))
 
 
-def _unit_sphere() -> Vector:
-    polar, around = np.meshgrid(np.linspace(0, np.pi, _RINGS), 2 * np.pi * np.arange(_PER_RING) / _PER_RING)
+def _unit_sphere(rings: int = _RINGS, per_ring: int = _PER_RING) -> Vector:
+    polar, around = np.meshgrid(np.linspace(0, np.pi, rings), 2 * np.pi * np.arange(per_ring) / per_ring)
     sphere = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
     return np.unique(np.round(sphere.reshape(-1, 3), 12), axis=0)  # each pole once

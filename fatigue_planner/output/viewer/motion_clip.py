@@ -18,6 +18,7 @@ from fatigue_planner.motion.quality import Verdict
 from fatigue_planner.motion.schedule import Run, runs_of
 from fatigue_planner.motion.settings import Side
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+from fatigue_planner.robot.shape import RobotShape
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -56,7 +57,9 @@ class MotionClip:
 
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
     have a goal; `strength_nm` (T or 1, 78) that of `ENTRIES`; `objects` the poses at which the robot
-    presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion.
+    presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion;
+    `robot` the arm that presents it, if there is one that can;
+    `markers_m` (T, k, 3) those of a recording, NaN where unseen.
     """
 
     name: ReactionName
@@ -69,6 +72,8 @@ class MotionClip:
     objects: tuple[Pose, ...]
     verdict: Verdict
     remarks: tuple[str, ...] = ()
+    robot: RobotShape | None = None
+    markers_m: Matrix | None = None
 
     @property
     def duration_s(self) -> float:
@@ -82,6 +87,11 @@ class MotionClip:
     def phase(self, tick: int) -> str:
         """The name of a tick's phase."""
         return next(phase.name for phase in self.motion.phases if phase.start <= tick < phase.stop)
+
+    def robot_waypoint(self, tick: int) -> int:
+        """The waypoint at which the robot stands at a tick, if there is one."""
+        assert self.robot is not None
+        return self.robot.waypoint((tick - self.motion.phase("work").start) * self.motion.time_step_s)
 
     def instant(self, tick: int) -> Instant:
         """What there is to see at a tick."""
@@ -111,8 +121,17 @@ class MotionClip:
         )
 
 
-def motion_clip_of(request: ReactionRequest, reaction: Reaction, parameters: FatigueParameters) -> MotionClip:
-    """What there is to see of a reaction. All that depends on how a reaction is asked for is read here."""
+def motion_clip_of(
+    request: ReactionRequest,
+    reaction: Reaction,
+    parameters: FatigueParameters,
+    robot: RobotShape | None = None,
+    said: tuple[str, ...] = (),
+) -> MotionClip:
+    """What there is to see of a reaction. All that depends on how a reaction is asked for is read here.
+
+    `robot`: the arm that presents the action, if there is one; `said`: what is to be said of it.
+    """
     settings, motion = request.motion, reaction.motion
     human = build_human(settings.worker)
     runs = runs_of(settings.tool, settings.action, motion.phases)
@@ -128,7 +147,8 @@ def motion_clip_of(request: ReactionRequest, reaction: Reaction, parameters: Fat
         strength_nm=strength_nm(motion, parameters),
         objects=tuple(waypoint.pose(home) for goal in goals.values() for waypoint in goal.path()),
         verdict=reaction.quality.kept_as(),
-        remarks=tuple(reaction.quality.remarks()),
+        remarks=(*reaction.quality.remarks(), *said),
+        robot=robot,
     )
 
 

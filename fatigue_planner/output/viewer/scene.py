@@ -12,15 +12,17 @@ from numpy.typing import NDArray
 from fatigue_planner.human.model import Human
 from fatigue_planner.human.skeleton import BODIES, JOINTS, SIDES
 from fatigue_planner.motion.minimum_jerk import Pose
-from fatigue_planner.output.viewer.body_shapes import body_shapes
+from fatigue_planner.output.viewer.body_shapes import body_shapes, capsule_shape
 from fatigue_planner.output.viewer.motion_clip import Instant, MotionClip
 
 Vector = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
-BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE = (
-    (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
+BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE, MARKER = (
+    (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60), (0, 0, 0)
 )  # fmt: skip
+ROBOT = (62, 84, 106)
+UNSEEN_M = (0.0, 0.0, -1.0)  # below the ground
 OPACITY = 0.4  # so that joints, centre of mass and forces are seen through the body
 METRES_PER_NEWTON = 1e-3  # of the forces on the feet, some hundred N
 METRES_PER_NEWTON_ON_A_HAND = 5e-3
@@ -70,6 +72,7 @@ class Scene:
             for i in range(len(clip.objects))
         ]
         _place(objects, clip.objects)
+        self._robot = _robot_nodes(scene, clip)
         self._centre = scene.add_icosphere("/centre_of_mass/centre", 0.035, color=CENTRE)
         self._plumb = scene.add_icosphere("/centre_of_mass/plumb", 0.018, color=CENTRE)
         self._forces = [
@@ -81,6 +84,11 @@ class Scene:
         self._soles = scene.add_line_segments(
             "/soles", np.zeros((8, 2, 3)), SOLE, thickness=2.0, thickness_units="screen"
         )
+        self._markers = None
+        if clip.markers_m is not None:
+            self._markers = scene.add_point_cloud(
+                "/markers", np.zeros(clip.markers_m.shape[1:]), MARKER, point_size=0.016, point_shape="circle"
+            )
         self._label = scene.add_label(
             "/label", "", position=(0, 0, 1.04 * stature), font_screen_scale=1.5, anchor="bottom-center"
         )
@@ -94,13 +102,33 @@ class Scene:
             handle.position = _rounded(instant.positions[BODIES.index(joint.child)])
             handle.color = load_colour(instant.joint_share[joint.name])
         _place(self._tools, instant.tools)
+        for waypoint, parts in enumerate(self._robot if len(self._robot) > 1 else ()):
+            for part in parts:
+                part.visible = waypoint == clip.robot_waypoint(tick)
         self._centre.position = _rounded(instant.centre_of_mass_m)
         self._plumb.position = _rounded(instant.centre_of_mass_m * [1, 1, 0])
         for node, arrow in zip(self._forces, force_arrows(instant), strict=True):
             node.points = arrow[None]
             node.visible = bool((arrow[0] != arrow[1]).any())
         self._soles.points = sole_outlines(clip.human, instant)
+        if self._markers is not None and clip.markers_m is not None:
+            seen = np.isfinite(clip.markers_m[tick])
+            self._markers.points = _rounded(np.where(seen, clip.markers_m[tick], UNSEEN_M)).astype(np.float32)
         self._label.text = f"{clip.phase(tick)}, {tick * clip.motion.time_step_s:.1f} s"
+
+
+def _robot_nodes(scene: viser.SceneApi, clip: MotionClip) -> list[list[viser.MeshHandle]]:
+    """The robot's capsules at each of its waypoints, if there is one."""
+    if clip.robot is None:
+        return []
+    nodes = []
+    for waypoint in range(len(clip.robot.times_s)):
+        shapes = [capsule_shape(ends, radius) for ends, radius in zip(*clip.robot.parts(waypoint), strict=True)]
+        nodes.append([
+            scene.add_mesh_simple(f"/robot/{waypoint}/{i}", shape.vertices, shape.faces, color=ROBOT, cast_shadow=False)
+            for i, shape in enumerate(shapes)
+        ])  # fmt: skip
+    return nodes
 
 
 def force_arrows(instant: Instant) -> NDArray[np.float32]:

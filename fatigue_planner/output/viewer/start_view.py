@@ -59,7 +59,7 @@ class _Facets:
 def start_view(clip: MotionClip) -> StartView:
     """The first direction from which enough is seen at mid-work; if there is none, the one from which most is.
 
-    The better side is the working hand's; whole body and objects are in the picture, at the start and at work.
+    The better side is the working hand's; whole body, objects and robot are in the picture, at the start and at work.
     """
     work = clip.motion.phase("work")
     middle = clip.instant((work.start + work.stop) // 2)
@@ -70,6 +70,7 @@ def start_view(clip: MotionClip) -> StartView:
         *(_facets(shapes[body], clip.instant(0), body).centres for body in BODIES),
         *(pose.position_m[None] for pose in clip.objects),
         [(0, 0, HEADROOM * clip.human.anthropometry.stature_m)],
+        *([] if clip.robot is None else [clip.robot.parts(0)[0].reshape(-1, 3)]),
     ])  # fmt: skip
     look_at = (points.min(axis=0) + points.max(axis=0)) / 2
     best: StartView | None = None

@@ -70,6 +70,9 @@ def calibrate(worker: Worker, markers: Markers, targets_m: Vector, static_m: Vec
         last, start = rms, fitted[0]
         good = np.nanmean(distance, axis=1) <= 2 * np.median(np.nanmean(distance, axis=1))  # the others went astray
         person, own = _linear(person, own, nominal, fitted[good], np.concatenate([still, frames])[good])
+    if "c7" in own.landmarks:
+        above = own.local_m[own.landmarks.index("c7"), 2]
+        person = replace(person, cervicale_m=float(person.above_hip("thorax") + above))
     return Calibration(person, own.at(own.local_m), stance, rms)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fatigue_planner.core.jit import compiled
 from fatigue_planner.human.joint_data import position_limits
 from fatigue_planner.human.kinematics import Tree, poses, tree_of
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS, ROOT_BODY
 from fatigue_planner.recordings.kinematics.measured import Measured
 
 Vector = NDArray[np.float64]
@@ -27,8 +27,9 @@ FAR_M, PLAIN_M = 0.03, 100.0
 LOST_M = 0.02
 # Beyond the range of motion an angle is drawn back as if its limit were known to within this.
 LIMIT_SIGMA_RAD = 0.05
-# Angles have a prior this many ranges of motion wide, which decides only what no marker shows.
-PRIOR_RANGES = 20.0
+# Angles have a prior this many ranges of motion wide, which decides only what no marker shows. Where a body without
+# markers is between others, as the abdomen is, two joints share what is seen: four deviations are a range of motion.
+PRIOR_RANGES, SHARED_RANGES = 20.0, 0.25
 MAX_STEPS, STEP_RAD, DONE = 60, 0.4, 1e-7
 
 
@@ -65,9 +66,26 @@ def fit_problem(
         moves[child] = moves[parent]
         moves[child, tree.first[joint] : tree.first[joint + 1]] = True
     lower, upper = position_limits()
-    wide = PRIOR_RANGES * (upper - lower) if prior_sigma is None else prior_sigma
+    if prior_sigma is None:
+        prior_sigma = np.where(_shared(set(bodies)), SHARED_RANGES, PRIOR_RANGES) * (upper - lower)
     index = np.array([BODIES.index(body) for body in bodies], dtype=np.int64)
-    return FitProblem(tree, moves, index, local_m, sigma_m, prior, wide, lower, upper)
+    return FitProblem(tree, moves, index, local_m, sigma_m, prior, prior_sigma, lower, upper)
+
+
+def _shared(marked: set[str]) -> NDArray[np.bool_]:
+    """Which angles (39,) are of joints beside a body without markers, with bodies beyond that have some."""
+    beyond = set(marked)
+    for joint in reversed(JOINTS):
+        if joint.child in beyond:
+            beyond.add(joint.parent)
+    between = beyond - marked - {ROOT_BODY}
+    return np.array(
+        [
+            not between.isdisjoint((joint.parent, joint.child)) and joint.child in beyond
+            for joint in JOINTS
+            for _ in joint.degrees_of_freedom
+        ]
+    )
 
 
 @compiled
@@ -76,7 +94,7 @@ def fit_frame(problem: FitProblem, start: Vector, target_m: Vector) -> tuple[Vec
 
     From a start that is far away it goes by plain least squares first: to Cauchy's weights all markers would be astray.
     """
-    _, _, _, distance = _normal(problem, start, target_m, PLAIN_M)
+    _, _, _, distance = normal_equations(problem, start, target_m, PLAIN_M)
     configuration = start
     if np.nanmean(distance) > FAR_M:
         configuration, _ = _descend(problem, configuration, target_m, PLAIN_M)
@@ -88,7 +106,7 @@ def _descend(problem: FitProblem, start: Vector, target_m: Vector, robust_m: flo
     """Gauss and Newton's steps, damped where they lead upwards, until they are tiny."""
     configuration = start.copy()
     damping = 1e-12
-    cost, matrix, side, distance = _normal(problem, configuration, target_m, robust_m)
+    cost, matrix, side, distance = normal_equations(problem, configuration, target_m, robust_m)
     for _ in range(MAX_STEPS):
         damped = matrix.copy()
         for i in range(len(side)):
@@ -98,7 +116,7 @@ def _descend(problem: FitProblem, start: Vector, target_m: Vector, robust_m: flo
         if largest > STEP_RAD:
             step *= STEP_RAD / largest
         trial = _moved(configuration, step)
-        found = _normal(problem, trial, target_m, robust_m)
+        found = normal_equations(problem, trial, target_m, robust_m)
         if found[0] <= cost * (1 + 1e-12):
             configuration = trial
             cost, matrix, side, distance = found
@@ -131,7 +149,7 @@ def fit_frames(problem: FitProblem, start: Vector, targets_m: Vector) -> tuple[V
 
 
 @compiled
-def _normal(
+def normal_equations(
     problem: FitProblem, configuration: Vector, target_m: Vector, robust_m: float
 ) -> tuple[float, Vector, Vector, Vector]:
     """Half the weighted squares, Gauss and Newton's matrix (45, 45) and right-hand side (45,), the distances (k,) m.

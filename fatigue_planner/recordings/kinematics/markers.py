@@ -22,12 +22,16 @@ HANDS = ("right_hand", "left_hand")
 
 @dataclass(frozen=True)
 class Markers:
-    """Labels (k), the body of each, its place there (k, 3) m, and how well that is known (k,) m."""
+    """Labels (k), the body of each, its place there (k, 3) m, how well that is known (k,) m, and its landmark.
+
+    landmarks (k), by the mapping; none, if markers are not by a mapping.
+    """
 
     labels: tuple[str, ...]
     bodies: tuple[str, ...]
     local_m: Vector
     sigma_m: Vector
+    landmarks: tuple[str, ...] = ()
 
     def of(self, labels: tuple[str, ...]) -> tuple["Markers", list[int]]:
         """Those with these labels, and where each is among the labels."""
@@ -37,6 +41,7 @@ class Markers:
             tuple(self.bodies[i] for i in keep),
             self.local_m[keep],
             self.sigma_m[keep],
+            tuple(self.landmarks[i] for i in keep if self.landmarks),
         )
         return own, [labels.index(label) for label in own.labels]
 
@@ -63,4 +68,5 @@ def markers_of(recording: Recording, mapping: str | None, stature_m: float) -> M
         tuple(place.body for _, place in found),
         scale * np.array([place.at_m for _, place in found]),
         np.array([LOOSE_M if place.loose else FIRM_M for _, place in found]),
+        tuple(place.landmark for _, place in found),
     )

@@ -7,14 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from fatigue_planner.human.skeleton import BODIES
+from fatigue_planner.human.joint_data import position_limits
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 from fatigue_planner.recordings.inference.gaps import BRIDGED_S
 from fatigue_planner.recordings.kinematics.calibration import Calibration, first_root
 from fatigue_planner.recordings.kinematics.frame_fit import fit_frames
 from fatigue_planner.recordings.kinematics.markers import Markers
+from fatigue_planner.recordings.kinematics.smoothing import moves_on_skin, smoothed
 
 Vector = NDArray[np.float64]
 
+# Zero-lag Butterworth filter of what is not noise, but skin that moves over bones; the field's cut-off (Winter 2009).
+SKIN_HZ = 6.0
 # Frames on both sides of a gap that a curve through it follows.
 AROUND = 3
 
@@ -24,7 +29,8 @@ class Track:
     """Postures over time: configurations (n, 46) as of a `Human`, and what distance is left of every marker.
 
     distance_m (n, k): NaN where a marker was not seen; unseen_s: for how long, at most, each body with markers had
-    none, after gaps were bridged.
+    none, after gaps were bridged; cutoff_hz: what the motion is still to be filtered with (see `dynamics.movement`):
+    None where markers are noisy only, as the postures are then the smoother's (see `kinematics.smoothing`).
     """
 
     rate_hz: float
@@ -33,6 +39,7 @@ class Track:
     distance_m: Vector
     bridged: int
     unseen_s: dict[str, float]
+    cutoff_hz: float | None = SKIN_HZ
 
     @property
     def rms_m(self) -> Vector:
@@ -52,7 +59,13 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
     """The postures of frames (n, k, 3) m of calibrated markers."""
     bridged, count = _bridged(points_m, rate_hz)
     start = np.concatenate([first_root(markers, bridged[_first(bridged)]), calibration.stance])
-    configuration, distance = fit_frames(calibration.problem(markers), start, bridged)
+    problem = calibration.problem(markers)
+    configuration, distance = fit_frames(problem, start, bridged)
+    skin = moves_on_skin(distance)
+    if not skin:
+        configuration = smoothed(problem, configuration, bridged)
+    if not {"neck", "head"} & set(markers.bodies):
+        configuration = _looking_ahead(calibration, configuration)
     distance[~np.isfinite(points_m).all(axis=2)] = np.nan
     seen = np.asarray(np.isfinite(bridged).all(axis=2))
     unseen = {
@@ -60,7 +73,24 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
         for body in BODIES
         if body in markers.bodies
     }
-    return Track(rate_hz, configuration, markers.labels, distance, count, unseen)
+    return Track(rate_hz, configuration, markers.labels, distance, count, unseen, SKIN_HZ if skin else None)
+
+
+def _looking_ahead(calibration: Calibration, configuration: Vector) -> Vector:
+    """With an unmarked head upright, as far as neck and head go: people keep it so while the trunk leans (Pozzo 1990).
+
+    It is turned to where the chest is; both joints take half of what the trunk leans.
+    """
+    own = configuration.copy()
+    turn = poses_of(tree_of(calibration.person), own).rotation[:, BODIES.index("thorax")]
+    # turn = Rz(heading) Ry(lean) Rx(side), which head and neck undo
+    lean, side = -np.arcsin(np.clip(turn[:, 2, 0], -1, 1)), np.arctan2(turn[:, 2, 1], turn[:, 2, 2])
+    lower, upper = position_limits()
+    for way, off in (("flexion", lean), ("lateral", side)):
+        neck, head = (DEGREES_OF_FREEDOM.index(f"{part}_{way}") for part in ("neck", "head"))
+        own[:, 7 + head] = np.clip(-off / 2, lower[head], upper[head])
+        own[:, 7 + neck] = np.clip(-off - own[:, 7 + head], lower[neck], upper[neck])
+    return own
 
 
 def longest_run(flags: Any) -> int:

@@ -49,8 +49,48 @@ def calibration_error(probability: Array, truth: NDArray[np.int64]) -> float:
 
     probability (N, C), truth (N,). Mean over bins of equal width, weighted by how many fall into each.
     """
+    return float(_error(probability.max(axis=1), probability.argmax(axis=1) == truth))
+
+
+def reliability(confidence: Array, right: NDArray[np.bool_]) -> list[tuple[int, float, float]]:
+    """For every bin of `calibration_error` that is not empty: how many, their mean probability, the share right.
+
+    confidence (N,): how probable was what was recognised; right (N,): whether it was so.
+    """
+    of_bin = _bins(confidence)
+    return [
+        (int((of_bin == one).sum()), float(confidence[of_bin == one].mean()), float(right[of_bin == one].mean()))
+        for one in np.unique(of_bin)
+    ]
+
+
+def chance_errors(probability: Array, blocks: NDArray[np.int64], rng: np.random.Generator, draws: int) -> Array:
+    """Calibration errors (draws,) that a recogniser whose probabilities are true shows on as many repetitions.
+
+    probability (N, C); blocks (N,): repetitions of the same number are right or wrong together, as those of one person
+    are (consistency resampling, Broecker and Smith 2007, by blocks).
+    """
     confidence = probability.max(axis=1)
-    right = probability.argmax(axis=1) == truth
-    of_bin = np.minimum((confidence * CONFIDENCE_BINS).astype(int), CONFIDENCE_BINS - 1)
-    gaps = np.bincount(of_bin, right - confidence, CONFIDENCE_BINS)
-    return float(np.abs(gaps).sum() / len(truth))
+    drawn = rng.random((draws, blocks.max() + 1))
+    return np.array([_error(confidence, one[blocks] < confidence) for one in drawn])
+
+
+def blocks_of(people: NDArray[np.str_], reactions: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """Numbers (N,) of blocks of up to `size` repetitions of one person's reaction."""
+    _, whose = np.unique(people, return_inverse=True)
+    of_reaction = whose * (reactions.max() + 1) + reactions
+    found, last = np.empty(len(people), np.int64), 0
+    for one in np.unique(of_reaction):
+        own = np.flatnonzero(of_reaction == one)
+        found[own] = last + np.arange(len(own)) // size
+        last = int(found[own[-1]]) + 1
+    return found
+
+
+def _error(confidence: Array, right: NDArray[np.bool_]) -> float:
+    gaps = np.bincount(_bins(confidence), right - confidence, CONFIDENCE_BINS)
+    return float(np.abs(gaps).sum() / len(right))
+
+
+def _bins(confidence: Array) -> NDArray[np.int64]:
+    return np.minimum((confidence * CONFIDENCE_BINS).astype(np.int64), CONFIDENCE_BINS - 1)

@@ -19,9 +19,12 @@ from fatigue_planner.recordings.recognition.confusion import (
     merged,
     told_apart,
 )
-from fatigue_planner.recordings.recognition.repetitions import Repetitions, of_stream
+from fatigue_planner.recordings.recognition.repetitions import Repetitions, of_stream, part_ends_s
 
 Array = NDArray[np.float64]
+
+# The least of which a part's mean is taken: of one alone it would depend on when it came.
+PART_SAMPLES = 2
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,16 @@ class Recogniser:
         """The same of a stream that may still grow: times (T,) in s since the cycle began, angles (T, J)."""
         return self.probabilities(action, of_stream(times_s, angles_deg, self.cycle))
 
+    @property
+    def joints(self) -> list[int]:
+        """The degrees of freedom, by index, of which some action wants to know the angle."""
+        return sorted({joint for known in self.actions.values() for joint in known.model.joints.tolist()})
+
+    @property
+    def least_rate_hz(self) -> float:
+        """How many samples a second are needed, so that `PART_SAMPLES` fall into every part."""
+        return PART_SAMPLES / float(np.diff(part_ends_s(self.cycle), prepend=0.0).min())
+
     def _known(self, action: str) -> KnownAction:
         if action not in self.actions:
             raise RecognitionError(f"action {action!r}: the recogniser knows {listed(self.actions)}.")
@@ -105,11 +118,15 @@ class HeldOut:
         """How many of two equally likely reactions are told apart after the whole motion, (C, C)."""
         return told_apart(self.log_likelihood[:, :, -1], self.truth)
 
+    def probability(self, temperature: Array, groups: NDArray[np.int64], lapse: float) -> Array:
+        """How probable each group is after each part, (N, groups, N_PARTS), all reactions equally likely before."""
+        probability = posterior(merged(self.log_likelihood, groups), temperature, lapse)
+        of_groups = [probability[:, groups == one].sum(axis=1) for one in range(groups.max() + 1)]
+        return np.stack(of_groups, axis=1)
+
     def chosen(self, temperature: Array, groups: NDArray[np.int64]) -> NDArray[np.int64]:
         """As which group each repetition is recognised after each part, (N, N_PARTS), all equally likely before."""
-        probability = posterior(merged(self.log_likelihood, groups), temperature, 0.0)
-        of_groups = [probability[:, groups == one].sum(axis=1) for one in range(groups.max() + 1)]
-        return np.asarray(np.stack(of_groups, axis=1).argmax(axis=1))
+        return np.asarray(self.probability(temperature, groups, 0.0).argmax(axis=1))
 
     def right_share(self, temperature: Array, groups: NDArray[np.int64]) -> Array:
         """The share that is recognised after each part, (N_PARTS,), every preference counting the same."""

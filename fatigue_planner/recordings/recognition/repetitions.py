@@ -88,17 +88,36 @@ def of_stream(times_s: Array, angles_deg: Array, cycle: Cycle) -> Array:
     times_s (T,): since the cycle began; angles_deg (T, J). A part of which nothing was measured is NaN. The duration
     of the phases is the cycle's: people who are faster or slower are compared with others at the same time.
     """
-    ends = part_ends_s(cycle)
-    over = int(np.searchsorted(ends, times_s.max(initial=0.0) + CLOCK_S, side="right"))
-    of_part = np.searchsorted(ends, times_s, side="right")
-    found = np.full((over, angles_deg.shape[1]), np.nan)
-    for part in range(over):
-        samples = angles_deg[of_part == part]
-        seen = np.isfinite(samples)
-        count = seen.sum(axis=0)
-        total = np.where(seen, samples, 0.0).sum(axis=0)
-        found[part] = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
-    return found
+    growing = Growing(cycle, angles_deg.shape[1])
+    growing.add(times_s, angles_deg)
+    return growing.parts(times_s.max(initial=0.0))
+
+
+class Growing:
+    """A cycle's motion that is still being measured: sums over its parts, however fast the samples come."""
+
+    def __init__(self, cycle: Cycle, joints: int) -> None:
+        """joints: J, the number of angles of a sample."""
+        self._ends_s = part_ends_s(cycle)
+        self._total_deg = np.zeros((N_PARTS, joints))
+        self._count = np.zeros((N_PARTS, joints), np.int64)
+
+    def add(self, times_s: Array, angles_deg: Array) -> None:
+        """Samples at times (T,) in s since the cycle began, in any order; those outside of it do not count.
+
+        angles_deg (T, J): NaN where nothing was measured.
+        """
+        inside = (times_s >= 0) & (times_s < self._ends_s[-1])
+        of_part = np.searchsorted(self._ends_s, times_s[inside], side="right")
+        seen = np.isfinite(angles_deg[inside])
+        np.add.at(self._total_deg, of_part, np.where(seen, angles_deg[inside], 0.0))
+        np.add.at(self._count, of_part, seen)
+
+    def parts(self, now_s: float) -> Array:
+        """The mean angles (K, J) in degrees over the K parts that are over at this time since the cycle began."""
+        over = int(np.searchsorted(self._ends_s, now_s + CLOCK_S, side="right"))
+        total, count = self._total_deg[:over], self._count[:over]
+        return np.asarray(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0))
 
 
 def part_ends_s(cycle: Cycle) -> Array:

@@ -99,19 +99,25 @@ class StoredAction(Settings):
 class StoredRecogniser(Settings):
     """A recogniser and what decided it.
 
-    reactions: the digest of every reaction it was trained with, by name; sources and versions: of the program.
+    reactions: the digest of every reaction that it was trained with, by name, or, where `capture` is None, of every
+    recorded repetition, by who does what how and its number; sources and versions: of the program.
     """
 
     format: Literal[1] = 1
     experiment: Name
     reactions: dict[str, str]
-    capture: CaptureError
+    capture: CaptureError | None
     told_apart_from: float
     sources: dict[str, str]
     versions: dict[str, str]
     cycle: Cycle
     temperature: Annotated[tuple[Annotated[float, Field(ge=1)], ...], Field(min_length=N_PARTS, max_length=N_PARTS)]
     actions: dict[Name, StoredAction]
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether it was trained with simulated reactions."""
+        return self.capture is not None
 
     @property
     def key(self) -> str:
@@ -127,7 +133,7 @@ class StoredRecogniser(Settings):
         recogniser: Recogniser,
         experiment: str,
         reactions: dict[str, str],
-        capture: CaptureError,
+        capture: CaptureError | None,
         told_apart: float,
     ) -> Self:
         """The recogniser that this program has trained with these reactions."""

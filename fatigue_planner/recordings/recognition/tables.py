@@ -5,6 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fatigue_planner.core.random_streams import random_stream
+from fatigue_planner.recordings.recognition.calibration import (
+    blocks_of,
+    calibration_error,
+    chance_errors,
+    reliability,
+)
 from fatigue_planner.recordings.recognition.recogniser import HeldOut, Recogniser
 from fatigue_planner.recordings.recognition.repetitions import N_PARTS, PARTS, part_ends_s
 
@@ -12,6 +19,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 KNOWN_FROM = 0.95  # the share that is right from which on a reaction is called known
+DRAWS = 1000  # of what chance makes of a calibration error
+# By what has passed, the last part of it: when probabilities are compared with the truth.
+MOMENTS = {
+    "half the reach": PARTS["reach"] // 2 - 1,
+    "the reach": PARTS["reach"] - 1,
+    "the work": PARTS["reach"] + PARTS["work"] - 1,
+    "the return": N_PARTS - 1,
+}
 
 
 def confusion_table(recogniser: Recogniser) -> "pd.DataFrame":
@@ -59,6 +74,45 @@ def early_table(recogniser: Recogniser, held_out: Mapping[str, HeldOut]) -> "pd.
             pd.DataFrame({"action": [action] * N_PARTS, "phase": phases, "time_s": ends, "recognised": share})
         )
     return pd.concat(tables, ignore_index=True)
+
+
+def calibration_table(recogniser: Recogniser, held_out: Mapping[str, HeldOut]) -> "pd.DataFrame":
+    """A row for every action and moment: the calibration error, and what chance alone makes of it.
+
+    expected, chance: the mean and the 95 % quantile of the errors that a recogniser whose probabilities are true shows
+    on as many repetitions, of people who are as alike in themselves.
+    """
+    import pandas as pd  # noqa: PLC0415
+
+    rows = []
+    for action, one in held_out.items():
+        known = recogniser.actions[action]
+        probability = one.probability(recogniser.temperature, known.groups, known.lapse)
+        truth = known.groups[one.truth]
+        effect = known.confusion.counts.sum() / known.confusion.effective.sum()
+        blocks = blocks_of(one.people, one.truth, int(np.ceil(effect)))
+        for moment, part in MOMENTS.items():
+            now = probability[:, :, part]
+            chance = chance_errors(now, blocks, random_stream(0, "calibration", action, moment), DRAWS)
+            error, beyond = calibration_error(now, truth), float(np.quantile(chance, 0.95))
+            rows.append((action, moment, len(truth), error, float(chance.mean()), beyond))
+    return pd.DataFrame(rows, columns=["action", "after", "repetitions", "error", "expected", "chance"])
+
+
+def reliability_table(recogniser: Recogniser, held_out: Mapping[str, HeldOut]) -> "pd.DataFrame":
+    """A row for every moment and bin of probability, over all actions: how many, and the share right."""
+    import pandas as pd  # noqa: PLC0415
+
+    rows = []
+    for moment, part in MOMENTS.items():
+        told = []
+        for action, one in held_out.items():
+            known = recogniser.actions[action]
+            probability = one.probability(recogniser.temperature, known.groups, known.lapse)[:, :, part]
+            told.append((probability.max(axis=1), probability.argmax(axis=1) == known.groups[one.truth]))
+        confidence, right = (np.concatenate(values) for values in zip(*told, strict=True))
+        rows += [(moment, *row) for row in reliability(confidence, right)]
+    return pd.DataFrame(rows, columns=["after", "repetitions", "probability", "right"])
 
 
 def known_from_s(recogniser: Recogniser, held_out: HeldOut, action: str) -> float | None:

@@ -11,7 +11,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.settings import Accuracy
 from fatigue_planner.reactions.cache import Outcome, ReactionCache
-from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, digests
+from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest, Recorded, digests
 from fatigue_planner.study.sensitivity.design import Point
 
 Profiles = dict[ReactionName, CycleProfile]
@@ -29,7 +29,7 @@ class Reacted:
 def unique_requests(points: Sequence[Point]) -> list[ReactionRequest]:
     """Every reaction that some point needs, once for each accuracy."""
     found = {
-        (request.digest, request.accuracy): request
+        request.asked: request
         for point in points
         if point.experiment is not None
         for request in reaction_requests(point.experiment)
@@ -62,25 +62,25 @@ def react(
     if lost:
         raise LostWorkError("\n".join(lost) + "\nAll other reactions are kept; the same command tries these again.")
     failures = {
-        (request.digest, request.accuracy): outcome.failure
+        request.asked: outcome.failure
         for request, outcome in zip(requests, outcomes, strict=True)
         if outcome.verdict == "failed"
     }
-    good = [request for request in requests if (request.digest, request.accuracy) not in failures]
-    needs: dict[tuple[str, Accuracy], list[tuple[Point, Experiment, ReactionName]]] = {}
+    good = [request for request in requests if request.asked not in failures]
+    needs: dict[tuple[str, Accuracy, Recorded | None], list[tuple[Point, Experiment, ReactionName]]] = {}
     reasons: dict[str, list[str]] = {}
     for point in points:
         if point.experiment is None:
             continue
         for request in reaction_requests(point.experiment):
-            key = request.digest, request.accuracy
+            key = request.asked
             needs.setdefault(key, []).append((point, point.experiment, request.name))
             if key in failures:
                 reasons.setdefault(point.name, []).append(f"{request.name}: {failures[key]}")
     profiles: dict[str, Profiles] = {point.name: {} for point in points}
     for request, reaction in zip(good, cache.stream(good, command), strict=True):
         assert isinstance(reaction, Reaction)  # failed ones are not among the good
-        for point, experiment, name in needs[request.digest, request.accuracy]:
+        for point, experiment, name in needs[request.asked]:
             if point.name not in reasons:
                 parameters = worker_fatigue(experiment)
                 own = reaction_profile(experiment, parameters, name.worker, reaction.motion)

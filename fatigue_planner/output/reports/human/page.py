@@ -59,7 +59,7 @@ def human_page(
         breadths=tables.breadths(human),
         centre_of_mass=tables.centre_of_mass(worker, human),
         plausibility=tables.plausibility(reactions),
-        implausible=sum(bool(reaction.quality.plausibility.findings()) for reaction in reactions),
+        implausible=sum(bool(reaction.findings) for reaction in reactions),
         predicted=predicted,
         picture=picture,
         ranges=tables.ranges(),

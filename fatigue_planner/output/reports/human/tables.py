@@ -15,6 +15,7 @@ from fatigue_planner.human.model import Human, Worker
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.human.strength_sets import load_strengths, shipped_sets
 from fatigue_planner.motion.plausibility import BARS
+from fatigue_planner.motion.quality import Quality
 from fatigue_planner.output.reports.human.hand_calculation import standing_masses
 from fatigue_planner.output.reports.human.references import Endurance, Interval, references
 from fatigue_planner.reactions.reaction import Reaction
@@ -253,11 +254,12 @@ def endurance(parameters: FatigueParameters) -> SourcedTable:
 def plausibility(reactions: Sequence[Reaction]) -> SourcedTable:
     """The bars of a plausible motion, their reasons, and the worst of the reactions at each."""
     table = SourcedTable(["what is seen of a motion", "bar", "worst", "reaction", "why this bar"])
+    seen = {one.name: one.quality.plausibility for one in reactions if isinstance(one.quality, Quality)}
     for name, bar in BARS.items():
-        worst = max(reactions, key=lambda reaction: float(getattr(reaction.quality.plausibility, name)), default=None)
-        value = 0.0 if worst is None else getattr(worst.quality.plausibility, name) * bar.factor
+        worst = max(seen, key=lambda of: float(getattr(seen[of], name)), default=None)
+        value = 0.0 if worst is None else getattr(seen[worst], name) * bar.factor
         label = bar.text.format(name="a joint" if "joint" in bar.named_by else "two parts of the body")
-        whose = str(worst.name) if worst is not None and value > 0 else NONE
+        whose = str(worst) if worst is not None and value > 0 else NONE
         cells = [f"{bar.most * bar.factor:g} {bar.unit}", fixed(value, 1), whose]
         table.rows.append([label, *cells, bar.reason])
         table.inside[label] = value <= bar.most * bar.factor

@@ -41,24 +41,43 @@ def overhead_sentences(report_data: ReportData, holds: Mapping[ReactionName, Arm
 
 
 def plausibility_blocks(reactions: Sequence[Reaction], holds: Mapping[ReactionName, ArmHold]) -> list[Block]:
-    """The verdicts: which motions no person would make, what is wrong with them, and the raised arms."""
-    odd = [reaction for reaction in reactions if reaction.quality.plausibility.findings()]
+    """The verdicts: what was recorded, which motions no person would make, what is wrong with them; raised arms."""
+    simulated = [reaction for reaction in reactions if not reaction.key.recorded]
+    blocks = _recorded_blocks([reaction for reaction in reactions if reaction.key.recorded])
+    if simulated:
+        blocks += _simulated_blocks(simulated)
+    return [*blocks, *_hold_table(reactions, holds)]
+
+
+def _recorded_blocks(recorded: Sequence[Reaction]) -> list[Block]:
+    if not recorded:
+        return []
+    words = (
+        f"{counted(len(recorded), 'reaction was', 'reactions were')} recorded, not simulated; what is not good about a "
+        "recording is said, and it is used all the same."
+    )
+    rows = [
+        [str(reaction.name), reaction.key.recorded, "; ".join(reaction.quality.remarks()) or "nothing"]
+        for reaction in recorded[:FEW]
+    ]
+    return [Text(words), Table("Recordings.", ["reaction", "key of the import", "what is not good"], rows)]
+
+
+def _simulated_blocks(reactions: Sequence[Reaction]) -> list[Block]:
+    odd = [reaction for reaction in reactions if reaction.findings]
     verdict = f"{counted(len(reactions) - len(odd), 'motion')} of {len(reactions)} could be a person's"
     if not odd:
         words = (
             f"{verdict}: postures, gaze, free arms, ends of range, torque steps and clearances are within their bars."
         )
-        return [Text(words), *_hold_table(reactions, holds)]
-    rows = [
-        [str(reaction.name), "; ".join(finding.text for finding in reaction.quality.plausibility.findings())]
-        for reaction in odd[:FEW]
-    ]
+        return [Text(words)]
+    rows = [[str(reaction.name), "; ".join(finding.text for finding in reaction.findings)] for reaction in odd[:FEW]]
     words = (
         f"{verdict}; the others are possible, but implausible: they are used all the same, and what follows from them "
         f"is to be read with care.{f' The first {FEW} of them:' if len(odd) > FEW else ''}"
     )
     table = Table("What no person would do, and the bar.", ["reaction", "what"], rows)
-    return [Text(words), table, *_hold_table(reactions, holds)]
+    return [Text(words), table]
 
 
 def _hold_table(reactions: Sequence[Reaction], holds: Mapping[ReactionName, ArmHold]) -> list[Block]:

@@ -8,6 +8,7 @@ import pandas as pd
 
 from fatigue_planner.core.text import format_label, listing, percent, significant
 from fatigue_planner.ergonomics.indicators.iso_11226 import arm_hold
+from fatigue_planner.experiment.robot_cell import RobotCell
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.fatigue.model import CycleProfile
@@ -60,6 +61,8 @@ def draw_reactions(
 ) -> list[Picture]:
     """Postures, loads and, for grids of poses, maps."""
     places = place_table(experiment.actions, profiles, experiment.cost.fatigue_cost())
+    cell = None if experiment.robot is None else RobotCell(experiment)
+    robots = {action: cell.shape(action) for action in experiment.actions} if cell else {}
     pictures = []
     for worker, person in experiment.workers.items():
         several = len(experiment.workers) > 1
@@ -67,7 +70,7 @@ def draw_reactions(
         own = [reaction for reaction in reactions if reaction.name.worker == worker]
         if not own:
             continue
-        figure, table = posture_figure(build_human(person), own, parameters[worker])
+        figure, table = posture_figure(build_human(person), own, parameters[worker], robots)
         caption = f"The reactions{whose} in the middle of the work. The discs show the largest load at each joint."
         pictures.append(figures.add(f"reactions{suffix}", figure, table, caption, _heaviest_joints(table)))
         if len(own) <= FEW:

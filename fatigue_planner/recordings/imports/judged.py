@@ -1,0 +1,121 @@
+"""How good a recording is, phase by phase."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fatigue_planner.human.multibody import GRAVITY_MPS2
+from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import Motion, Phase
+from fatigue_planner.motion.schedule import runs_of
+from fatigue_planner.reactions.recorded import MAX_LABEL, PhaseQuality, RecordedQuality, largest_load
+from fatigue_planner.recordings.dynamics import Torques
+from fatigue_planner.recordings.imports.contacts import on_one_plate, planted, soles_m, unmeasured
+from fatigue_planner.recordings.imports.phases import Bounds
+from fatigue_planner.recordings.kinematics.markers import HANDS
+from fatigue_planner.recordings.kinematics.measured import Measured
+from fatigue_planner.recordings.kinematics.tracking import Track, longest_run
+from fatigue_planner.recordings.recording import GroundForce
+
+Vector = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a recording is judged by, frame by frame: postures, markers, forces."""
+
+    person: Measured
+    track: Track
+    marked: tuple[str, ...]  # the body of each marker
+    torques: Torques
+    ground: Sequence[GroundForce]
+
+
+def quality_of(evidence: Evidence, request: MotionRequest, motion: Motion, bounds: Bounds) -> RecordedQuality:
+    """How good the recording is within its bounds, and what that makes of the motion."""
+    wrists = tuple(side for side, hand in zip(SIDES, HANDS, strict=True) if hand not in evidence.marked)
+    held = {
+        side: max(
+            run.right_kg if side == "right" else run.left_kg
+            for run in runs_of(request.tool, request.action, motion.phases)
+        )
+        for side in wrists
+    }
+    share, joint = largest_load(request.maximum_torque, motion)
+    return RecordedQuality(
+        phases=tuple(
+            _phase(evidence, phase, bounds.of(index), motion.time_step_s) for index, phase in enumerate(motion.phases)
+        ),
+        work_hand_error_m=float(motion.hand_error_m[motion.phase("work")].mean()),
+        assumed_wrists=wrists,
+        wrist_load_kg=max(held.values(), default=0.0),
+        largest_load_share=share,
+        largest_load_joint=joint,
+        length_factors=evidence.person.factors,
+    )
+
+
+def _phase(evidence: Evidence, phase: Phase, ends_s: tuple[float, float], time_step_s: float) -> PhaseQuality:
+    track, torques, ground = evidence.track, evidence.torques, evidence.ground
+    frames = slice(int(np.floor(ends_s[0] * track.rate_hz)), int(np.ceil(ends_s[1] * track.rate_hz)) + 1)
+    distance = track.distance_m[frames]
+    each = np.sqrt(_mean(distance**2, axis=0))
+    worst = int(np.nan_to_num(each).argmax())
+    gone = {
+        body: longest_run(~np.isfinite(distance[:, [own == body for own in evidence.marked]]).any(axis=1))
+        for body in dict.fromkeys(evidence.marked)
+    }
+    body = max(gone, key=lambda name: gone[name])
+    soles = soles_m(evidence.person, track.configuration)
+    on_ground = planted(soles)
+    force = moment = carried = shared = None
+    if ground:
+        other = unmeasured(torques, evidence.person.mass_kg)[frames]
+        own = ~other
+        weight = evidence.person.mass_kg * GRAVITY_MPS2
+        force = _rms(torques.residual_force_n[frames][own]) / weight
+        moment = _rms(torques.residual_moment_nm[frames][own])
+        carried, shared = float(other.mean()), float(on_one_plate(ground, on_ground)[frames].mean())
+    pace = (phase.stop - phase.start) * time_step_s / (ends_s[1] - ends_s[0])
+    return PhaseQuality(
+        name=phase.name,
+        from_s=float(ends_s[0]),
+        to_s=float(ends_s[1]),
+        marker_rms_m=float(np.sqrt(_mean(distance**2, axis=None))),
+        worst_marker_m=float(np.nan_to_num(each)[worst]),
+        worst_marker=track.labels[worst][:MAX_LABEL] if track.labels[worst].isprintable() else "",
+        unseen_s=gone[body] / track.rate_hz,
+        unseen_body=body if gone[body] else "",
+        residual_force_share=force,
+        residual_moment_nm=moment,
+        unmeasured_share=carried,
+        one_plate_share=shared,
+        foot_slide_m=_slide(soles[frames], on_ground[frames]),
+        stretch=float(max(pace, 1 / pace)),
+    )
+
+
+def _mean(values: Vector, axis: int | None) -> Vector:
+    """The mean of what is finite; 0 where nothing is."""
+    there = np.isfinite(values)
+    return np.asarray(np.where(there, values, 0.0).sum(axis=axis) / np.maximum(there.sum(axis=axis), 1))
+
+
+def _rms(vectors: Vector) -> float:
+    """Root mean square of the lengths of vectors (n, 3); 0 of none."""
+    return float(np.sqrt((vectors**2).sum(axis=1).mean())) if len(vectors) else 0.0
+
+
+def _slide(soles: Vector, on_ground: Flags) -> float:
+    """How far a foot (n, 2, 3) m goes from its usual place while it is on the ground, at most."""
+    farthest = 0.0
+    for foot in range(len(SIDES)):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], on_ground[:, foot].astype(int), [0]])))
+        for start, stop in zip(edges[::2], edges[1::2], strict=True):
+            own = soles[start:stop, foot, :2]
+            farthest = max(farthest, float(np.linalg.norm(own - np.median(own, axis=0), axis=1).max()))
+    return farthest
