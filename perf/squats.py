@@ -66,6 +66,8 @@ def simulated() -> tuple[Vector, Vector, Vector]:
     content["workers"] = {name: worker | PERSON for name, worker in content["workers"].items()}
     experiment = parse_experiment(content, "pose_grid")
     lowest = min(experiment.actions, key=lambda name: float(name.rsplit("z", 1)[1]))
-    request = next(one for one in reaction_requests(experiment) if one.name.action == lowest and one.name.preference == "squat")
+    request = next(
+        one for one in reaction_requests(experiment) if one.name.action == lowest and one.name.preference == "squat"
+    )
     motion = simulate(request.key.motion_request())
     return motion.configuration[:, 2], motion.configuration[:, 7:], motion.torque_nm + motion.tissue_nm
