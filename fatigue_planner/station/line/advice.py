@@ -1,0 +1,154 @@
+"""What a rotation gains: the best rota beside staying and beside going on every hour, what pauses are worth, and where
+no rotation helps.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fatigue_planner.station.line.demands import Demand
+from fatigue_planner.station.line.measures import HOUR_S, MEASURES, largest
+from fatigue_planner.station.line.program import TOLERANCE, Rota, best_rota, counts_of
+from fatigue_planner.station.line.slots import FREE
+from fatigue_planner.station.line.spans import Counts, Crew, Vector
+
+# A gain below this share is none: it is less than the rounding of loads to whole percents.
+NO_GAIN = 0.01
+# Up to this ratio of load to acceptable load a shift is acceptable.
+ACCEPTABLE = 1.0
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """A shift at a line, in numbers.
+
+    demands   by worker and station what a cycle asks of the worker; None where he or she may not work
+    slots     how many slots the working time is divided into, slot_s long each
+    measure   the kind of the measure: a key of MEASURES
+    """
+
+    demands: Sequence[Sequence[Demand | None]]
+    slots: int
+    slot_s: float
+    measure: str
+
+    def crew(self) -> Crew:
+        """The crew with its burdens. Raises ValueError if there are fewer workers than stations."""
+        may = np.array([[demand is not None for demand in own] for own in self.demands])
+        return Crew.of(self.slots, may, [self.burden(worker) for worker in range(len(self.demands))])
+
+    def without_load(self, station: int) -> "LineLoad":
+        """The same line if that station asked nothing of anybody."""
+        return replace(self, demands=[
+            [_eased(demand) if index == station else demand for index, demand in enumerate(own)]
+            for own in self.demands
+        ])  # fmt: skip
+
+    def burden(self, worker: int) -> "_Burden":
+        """The burden of a worker."""
+        own = self.demands[worker]
+        known = next((demand for demand in own if demand is not None), None)
+        return _Burden(self, [demand or known for demand in own] if known else [])
+
+
+@dataclass(frozen=True)
+class _Burden:
+    line: LineLoad
+    demands: Sequence[Demand | None]
+
+    def __call__(self, counts: Counts) -> Vector:
+        """The largest ratio of any region; a station that is not allowed has no slot in any of the counts."""
+        known = [demand for demand in self.demands if demand is not None]
+        return largest(MEASURES[self.line.measure](counts, known, self.line.slot_s)) if known else np.zeros(len(counts))
+
+
+def _eased(demand: Demand | None) -> Demand | None:
+    if demand is None:
+        return None
+    nothing = dict.fromkeys(demand.dose, 0.0)
+    return replace(demand, duty=np.zeros_like(demand.duty), efforts=dict.fromkeys(demand.efforts, ()), dose=nothing)
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What is to be said of rotation at a line. Burdens are ratios of load to acceptable load, of the worst worker.
+
+    best       the best rota
+    staying    the burden if everybody stays where it is best for the crew; None if nobody can stay
+    usual      the burden if everybody goes on to the next station every hour; None if that sends somebody where he or
+        she may not work
+    too_much   stations of which one slot alone, and nothing else all shift, is too much for all who may work there
+    redesign   the station without whose load the burden falls most, and the burden then; None if the burden is
+        acceptable
+    """
+
+    best: Rota
+    staying: float | None
+    usual: float | None
+    too_much: tuple[int, ...]
+    redesign: tuple[int, float] | None
+
+    @property
+    def helps(self) -> bool:
+        """Whether rotation lowers the burden, and no station is too much for everybody in any share."""
+        gains = self.staying is None or self.best.largest < self.staying * (1 - NO_GAIN)
+        return gains and not self.too_much
+
+
+def advise(line: LineLoad) -> Advice | None:
+    """The advice for a line; None if its stations cannot be manned. Raises ValueError as LineLoad.crew."""
+    crew = line.crew()
+    best = best_rota(crew)
+    if best is None:
+        return None
+    moving = (crew.spans > 0).sum(axis=1) + (crew.spans.sum(axis=1) < crew.slots) > 1
+    stay = best_rota(replace(crew, burden=np.where(moving, np.inf, crew.burden)))
+    usual = burden_of(line, usual_places(crew.workers, crew.stations, line.slots, line.slot_s))
+    redesign = None
+    if best.largest > ACCEPTABLE:
+        eased = [best_rota(line.without_load(station).crew()) for station in range(crew.stations)]
+        burdens = [each.largest for each in eased if each is not None]
+        station = int(np.argmin(burdens))
+        redesign = station, burdens[station]
+    return Advice(best, None if stay is None else stay.largest, usual, too_much(line), redesign)
+
+
+def usual_places(workers: int, stations: int, slots: int, slot_s: float) -> Counts:
+    """Every hour of work to the next station, (workers, slots); after the last one free, as far as workers are more."""
+    hour = np.floor(np.arange(slots) * slot_s / HOUR_S + TOLERANCE).astype(np.int64)
+    place = (np.arange(workers)[:, None] + hour) % workers
+    return np.where(place < stations, place, FREE)
+
+
+def burden_of(line: LineLoad, places: Counts) -> float | None:
+    """The largest burden of a worker with some rota, (workers, slots); None where it is not allowed."""
+    worst = 0.0
+    for worker, row in enumerate(counts_of(places, len(line.demands[0]))):
+        if any(n and line.demands[worker][station] is None for station, n in enumerate(row)):
+            return None
+        worst = max(worst, float(line.burden(worker)(row[None, :])[0]))
+    return worst
+
+
+def too_much(line: LineLoad) -> tuple[int, ...]:
+    """The stations of which a single slot is more than acceptable to everybody who may work there."""
+    found = []
+    for station in range(len(line.demands[0])):
+        once = np.zeros((1, len(line.demands[0])), dtype=np.int64)
+        once[0, station] = 1
+        burdens = [line.burden(w)(once)[0] for w, own in enumerate(line.demands) if own[station] is not None]
+        if burdens and min(burdens) > ACCEPTABLE:
+            found.append(station)
+    return tuple(found)
+
+
+def pause_worth(line: LineLoad, places: Counts, pause_s: float) -> float:
+    """By what share of itself the burden of a rota rises without a pause, whose time is then worked in all slots."""
+    with_pause, without = (
+        burden_of(line, places),
+        burden_of(replace(line, slot_s=line.slot_s + pause_s / line.slots), places),
+    )
+    if not with_pause or without is None:
+        return 0.0
+    return without / with_pause - 1
