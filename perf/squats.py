@@ -2,17 +2,16 @@
 
     FATPLAN_RECORDINGS=folder python perf/squats.py
 
-Recorded: the five body-weight squats of squat_sit_plates/squats1. Simulated: the same person in pose_grid's preference
-squat, whose hand goes to its lowest place and back. Both from standing to standing, over the way of the pelvis: 0 to 50 %
-down, 50 to 100 % up, so that speed does not count. Angles, and torques of inverse dynamics over body mass, of the right
-side. Printed: the RMS off the recorded mean, where the simulated one leaves the recorded band (the least and the most of
-the five), and both at the deepest point.
+Recorded: the body-weight squats of squat_sit_plates/squats1. Simulated: a person as tall and heavy with pose_grid's
+preference squat, whose right hand goes to a place that takes the pelvis as far down, and back, with nothing in it. Both
+over the way of the pelvis, down and up, so that speed does not count. Angles, and torques of inverse dynamics over body
+mass, of the right side. Printed: the RMS off the recorded mean, how often the simulated one leaves the recorded band
+(the least and the most of all squats), both at the deepest point, and where they differ most.
 """
 
 import os
-import sys
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +26,13 @@ from fatigue_planner.recordings.check import read_recording
 from fatigue_planner.recordings.kinematics.calibration import calibrate
 from fatigue_planner.recordings.kinematics.markers import markers_of
 from fatigue_planner.recordings.kinematics.tracking import track
+from fatigue_planner.recordings.recording import GroundForce, Recording
 
 Vector = NDArray[np.float64]
 
 JOINTS = ("lumbar_flexion", "thoracic_flexion", "right_hip_flexion", "right_knee_flexion", "right_ankle_flexion")
-PERSON = {"height_m": 1.75, "mass_kg": 60.05, "sex": "male"}  # stature and sex are not known
+ENDS = slice(20, -20)  # of filters
+PERSON: dict[str, Any] = {"height_m": 1.75, "mass_kg": 60.05, "sex": "male"}  # stature and sex are not known
 PHASE = np.linspace(0.05, 0.95, 19)  # of the way down, and of the way up
 
 
@@ -47,27 +48,76 @@ def recorded(folder: Path) -> tuple[Vector, Vector, Vector]:
     points, stood = found.recording.points_m[:, moving], still.recording.points_m[:, standing]
     calibration = calibrate(Worker(**PERSON), markers, points, stood)
 
-    def motion(person: object, seen: Vector) -> dynamics.Movement:
-        own = track(calibration, calibration.markers, seen, found.recording.rate_hz)
-        return dynamics.movement(calibration.person.model(), own.configuration, own.rate_hz, own.cutoff_hz)
+    model = calibration.person.model()
 
-    def plates(recording: object) -> list[object]:
+    def motion(seen: Vector, rate_hz: float) -> dynamics.Movement:
+        own = track(calibration, calibration.markers, seen, rate_hz)
+        return dynamics.movement(model, own.configuration, own.rate_hz, own.cutoff_hz)
+
+    def plates(recording: Recording) -> list[GroundForce]:
         return dynamics.ground_at(recording.ground, recording.ground_rate_hz, recording.frames, recording.rate_hz)
 
-    person = dynamics.balanced(calibration.person, motion(None, stood), plates(still.recording))
-    squats = motion(None, points)
+    standing_still = motion(stood, still.recording.rate_hz)
+    person = dynamics.balanced(calibration.person, standing_still, plates(still.recording))
+    squats = motion(points, found.recording.rate_hz)
     torques = dynamics.inverse_dynamics(person.model(), squats, plates(found.recording))
-    return squats.configuration[20:-20, 2], squats.configuration[20:-20, 7:], torques.torque_nm[20:-20]
+    return squats.configuration[ENDS, 2], squats.configuration[ENDS, 7:], torques.torque_nm[ENDS]
 
 
 def simulated() -> tuple[Vector, Vector, Vector]:
-    """The same of the natural human's squat to the lowest place of pose_grid."""
+    """The same of the natural human's squat to a low place, with nothing in the hand."""
     content = read_content(Path(__file__).parents[1] / "experiments" / "pose_grid.yaml")
-    content["workers"] = {name: worker | PERSON for name, worker in content["workers"].items()}
-    experiment = parse_experiment(content, "pose_grid")
-    lowest = min(experiment.actions, key=lambda name: float(name.rsplit("z", 1)[1]))
-    request = next(
-        one for one in reaction_requests(experiment) if one.name.action == lowest and one.name.preference == "squat"
-    )
-    motion = simulate(request.key.motion_request())
+    goal = {"position_m": {"x": 0.4, "y": -0.2, "z": 0.54}, "orientation_deg": {"y": -90}}
+    content |= {"tool": {"mass_kg": 0}, "actions": {"low": {"right_hand": goal}}, "workers": {"person": PERSON}}
+    content["preferences"] = {"squat": content["preferences"]["squat"]}
+    for condition in content["benchmark"]["conditions"].values():
+        condition["worker"] = "person"
+    (request,) = reaction_requests(parse_experiment(content, "pose_grid"))
+    motion = simulate(request.motion)
     return motion.configuration[:, 2], motion.configuration[:, 7:], motion.torque_nm + motion.tissue_nm
+
+
+def squats_of(height: Vector, values: Vector) -> list[Vector]:
+    """Values (n, ...) of every squat over the phase: at shares of the pelvis' way down, then of its way up."""
+    top, bottom = np.percentile(height, 95), height.min()
+    down = 1 - (height - bottom) / (top - bottom)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (down > 0.02).astype(int), [0]])))
+    found = []
+    for start, end in edges.reshape(-1, 2):
+        way = down[start:end]
+        deepest = int(way.argmax())
+        if start == 0 or end == len(height) or way[deepest] < 0.7:
+            continue
+        depth = way / way[deepest]
+        there, back = np.maximum.accumulate(depth[: deepest + 1]), np.maximum.accumulate(depth[deepest:][::-1])
+        first = [np.searchsorted(there, share) for share in PHASE]
+        last = [len(way) - 1 - np.searchsorted(back, share) for share in PHASE[::-1]]
+        found.append(values[start:end][np.minimum([*first, *last], len(way) - 1)])
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    seen, own = recorded(Path(os.environ["FATPLAN_RECORDINGS"]) / "squat_sit_plates"), simulated()
+    print(f"pelvis down by {np.ptp(seen[0]):.2f} m recorded, {np.ptp(own[0]):.2f} m simulated")
+    print("| joint | what | RMS | outside the band | recorded, deepest | simulated, deepest | farthest off at |")
+    print("|---|---|---|---|---|---|---|")
+    for what, index, scale in (("angle, deg", 1, 180 / np.pi), ("torque, N.m/kg", 2, 1 / PERSON["mass_kg"])):
+        band = np.array(squats_of(seen[0], seen[index])) * scale
+        (one, *_) = squats_of(own[0], own[index])
+        for joint in JOINTS:
+            at = DEGREES_OF_FREEDOM.index(joint)
+            real, ours = band[..., at], one[:, at] * scale
+            off = ours - real.mean(axis=0)
+            outside = (ours < real.min(axis=0)) | (ours > real.max(axis=0))
+            middle, worst = slice(len(PHASE) - 1, len(PHASE) + 1), int(abs(off).argmax())
+            share = PHASE[worst] if worst < len(PHASE) else PHASE[::-1][worst - len(PHASE)]
+            way = "down" if worst < len(PHASE) else "up"
+            cells = [joint.removeprefix("right_"), what, f"{np.sqrt((off**2).mean()):.2f}"]
+            cells += [f"{100 * outside.mean():.0f} %", f"{real[:, middle].mean():.2f}", f"{ours[middle].mean():.2f}"]
+            print("|", " | ".join([*cells, f"{100 * share:.0f} % {way}: {off[worst]:+.2f}"]), "|")
+    print(f"{len(band)} recorded squats")
+
+
+if __name__ == "__main__":
+    main()
