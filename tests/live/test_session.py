@@ -670,3 +670,37 @@ def test_who_answers_goes_first(scenario: fp.Scenario, path: Path, clock: FakeCl
             gc.callbacks.remove(looked)
     assert found == []
     assert gc.get_freeze_count() == before
+
+
+def test_a_learnt_worker_with_habits_is_believed_by_bayes_rule(cache_folder: Path, tmp_path: Path) -> None:
+    """As `record learn` writes him: two betas, an offset, inertia. Fatigue and habit of every cycle, by hand."""
+    text = PAPER.read_text(encoding="utf-8").replace(
+        "  conditions:\n",
+        "  conditions:\n    learnt: {initial_belief: single, hidden_worker: learnt, choice_model: learnt}\n",
+        1,
+    )
+    file = tmp_path / "mine.yaml"
+    file.write_text(
+        text + "\nhidden_workers:\n  learnt:\n"
+        "    expertise: {kind: choice, values: [1.0e+4, 1.0e+5], probabilities: [0.3, 0.7]}\n"
+        "choice_models:\n  learnt: {kind: inertia, inertia: 1.5, offsets: {back: -0.5}}\n",
+        encoding="utf-8",
+    )
+    experiment = fp.load(file)
+    scenario = fp.scenario(experiment, fp.simulate(experiment, cache_folder), "learnt")
+    model, clock = scenario.model, FakeClock()
+    with fp.Session.open(tmp_path / "shift.fatplan", scenario, clock=clock) as session:
+        seen = ["back", "back", "arm", "back"]
+        done = cycles(session, clock, seen)
+        belief = session._shift.belief
+        betas = belief.model.workers.expertise[belief.states[:, -1].astype(int)]
+        found = [belief.weights[betas == beta].sum() for beta in (1e4, 1e5)]
+    state, last, weights = model.state(np.zeros(78)), -1, np.array([0.3, 0.7])
+    for action, name in zip((model.actions.index(one) for one in done), seen, strict=True):
+        costs = np.array([-model.transition(state, action, u)[1] for u in range(2)])
+        odds = np.array([0.0, -0.5]) + 1.5 * (np.arange(2) == last) - np.outer([1e4, 1e5], costs - costs.min())
+        last = model.outcomes.index(name)
+        weights *= np.exp(odds[:, last]) / np.exp(odds).sum(axis=1)
+        state, _ = model.transition(state, action, last)
+    np.testing.assert_allclose(found, weights / weights.sum(), rtol=1e-9)
+    assert abs(found[0] - 0.3) > 0.01
