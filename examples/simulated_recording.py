@@ -97,13 +97,11 @@ def record(experiment, reaction, folder, noise_m=0.0, seed=0):
     files[1].write_text(mot([with_stillness(plate) for plate in plates(worker, motion)], rate))
     static = folder / f"{reaction.name.worker}_static.trc"
     static.write_text(trc(still + noise_m * rng.standard_normal(still.shape), rate))
-    still_plates = folder / f"{reaction.name.worker}_static_plates.mot"
-    still_plates.write_text(mot([np.repeat(plate[:1], rate, axis=0) for plate in plates(worker, motion)], rate))
     subject = {
         "height_m": worker.height_m,
         "mass_kg": worker.mass_kg,
         "sex": worker.sex,
-        "static": [static.name, still_plates.name],
+        "static": [static.name],
     }
     files[2].write_text(yaml.safe_dump(subject | {"worker": reaction.name.worker}))
     return files

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from fatigue_planner.core.executors.executor import Executor
     from fatigue_planner.ergonomics.result import Phrase
     from fatigue_planner.reactions.cache import ReactionCache
-    from fatigue_planner.station.assessment import Outcome, StationAssessment
+    from fatigue_planner.station.assessment import Outcome, RobotPlace, StationAssessment
     from fatigue_planner.station.schema import Station
 
 
@@ -35,8 +35,8 @@ def assess(
         bool,
         typer.Option(
             "--explain",
-            help="Print the experiments that the station becomes (YAML), without what breaks its limits, and stop; "
-            "with --output, write them there.",
+            help="Print the experiments that the station becomes (YAML), without what breaks its limits or its robot "
+            "cannot present, and stop; with --output, write them there.",
         ),
     ] = False,
     changes: Annotated[
@@ -92,10 +92,11 @@ def assess(
 
 def _text(found: "StationAssessment") -> list[str]:
     """What an ergonomist needs first, then who of a population can, then what it rests on."""
-    from fatigue_planner.station.statements import of_changes, of_population, of_rotation, of_sensing
+    from fatigue_planner.station.statements import of_changes, of_population, of_robot, of_rotation, of_sensing
 
     lines = [f"{found.station.name}: {', '.join(_worker(found, index) for index in range(len(found.workers)))}"]
     lines += capped(found.headline)
+    lines += capped(list(of_robot(found.station, found.robot)))
     lines += capped([*of_rotation(found.rotation), *of_sensing(found.station, found.best, found.sensing)])
     changes = [*capped(list(of_changes(found.changes, found.best)))]
     lines += ["", "What one change would do:", *changes] if found.changes else changes
@@ -135,7 +136,7 @@ def _explain(
 ) -> None:
     """The experiments as YAML documents; each is a file for `fatplan simulate` and all other commands.
 
-    With limits, the motions are simulated first: what breaks one is not in them.
+    With limits or a robot, the motions are simulated first: what breaks one, or it cannot present, is not in them.
     """
     import yaml
 
@@ -146,17 +147,18 @@ def _explain(
     from fatigue_planner.station.outcomes import tasks_of
 
     outcomes: Sequence[Outcome] = ()
-    if station.limits:
+    robot: Sequence[RobotPlace] = ()
+    if station.limits or station.robot is not None:
         tasks = tasks_of(station)
         with progress("Simulating", len(tasks), kept=("motions", store.folder)) as counter:
             examined = examine(
                 [station], store, executor, command, lambda made: counter.advance(pieces=made.kept), [tasks]
             )
-        outcomes = examined[0].outcomes
+        outcomes, robot = examined[0].outcomes, examined[0].robot
         warn(store.damaged)
     contents: dict[str, Any] = {}
     texts, left_out, files = [], {}, []
-    for name, experiment, reasons in bound_experiments(station, outcomes):
+    for name, experiment, reasons in bound_experiments(station, outcomes, robot):
         text = "".join(f"# left out: {reason}\n" for reason in reasons)
         if experiment is None:
             texts.append(f"# {name}: nothing is left\n{text}")

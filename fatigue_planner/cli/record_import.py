@@ -1,5 +1,6 @@
 """`fatplan record import`: a recorded motion becomes a reaction in the cache, beside the simulated ones."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,10 +9,16 @@ import typer
 from fatigue_planner.cli import options, record
 from fatigue_planner.core.errors import ExitCode
 
+# The page on which the body moves among the markers, beside the report.
+VIEW_FILE = "view.html"
+
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.fatigue.parameters import FatigueParameters
     from fatigue_planner.reactions.reaction import ReactionRequest
     from fatigue_planner.reactions.recorded import PhaseQuality
+    from fatigue_planner.recordings.imports.imported import Imported
+    from fatigue_planner.recordings.inference.interpret import Interpreted
 
 
 def import_(
@@ -46,17 +53,21 @@ def import_(
     angles: record.AnglesIn = None,
     reader: record.Reader = None,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
+    results: options.ResultsFolder = options.DEFAULT_RESULTS,
     plugins: options.Plugins = None,
     as_json: options.Json = False,
 ) -> None:
     """Make a reaction of a recorded motion (FILE...), say how far its torques can be believed, and how to use it.
 
-    The hands hold the experiment's tool and loads. Exit code 3 if the torques cannot be believed by the experiment's
-    `recording_accuracy`: the reaction is kept, but not used.
+    The hands hold the experiment's tool and loads. A page with markers, residuals, angles and torques, and one on which
+    the body moves among the markers, go to the results folder. Exit code 3 if the torques cannot be believed by the
+    experiment's `recording_accuracy`: the reaction is kept, but not used.
     """
     from fatigue_planner.core.errors import RecordingError
+    from fatigue_planner.experiment.build import worker_fatigue
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.reactions.reaction import Recorded
     from fatigue_planner.recordings.check import Checked, read_recording
     from fatigue_planner.recordings.formats.registry import Choices
     from fatigue_planner.recordings.imports.imported import import_recording
@@ -78,9 +89,13 @@ def import_(
     except RecordingError as error:
         raise RecordingError(f"{', '.join(map(str, files))}: {error}") from error
     path = ReactionCache(cache).store(made.reaction)
-    quality, required = made.quality, settings.recording_accuracy
-    faults = quality.faults(required)
-    verdict = quality.verdict(required)
+    quality = made.quality
+    asked = replace(request, recorded=Recorded(made.key, settings.recording_accuracy))
+    faults, verdict = asked.faults(quality), asked.verdict(quality)
+    worker = request.name.worker
+    use = f"recorded: {{{worker}: {{{action}: {{{preference}: '{made.key}'}}}}}}"
+    folder = results / settings.name / "recordings" / "-".join(request.name)
+    pages = _publish_pages(folder, made, found, asked, worker_fatigue(settings)[worker], use)
     document: dict[str, Any] = {
         "files": files,
         "name": str(request.name),
@@ -95,17 +110,41 @@ def import_(
         "faults": faults,
         "not_good": quality.remarks(),
         "quality": quality,
+        "folder": folder,
     }
     read = record.told(Checked(files[0], form, found))
     lines = [f"  {finding.what}: {finding.value} ({finding.source})" for finding in made.findings]
     lines += [f"  fault {remark.fault}: {remark.text}" for remark in made.remarks]
     lines += [_phase_text(phase) for phase in quality.phases]
     lines += [f"{verdict}: {'; '.join(faults or quality.remarks()) or 'nothing to say against it'}."]
-    worker = request.name.worker
-    lines += [f"{path}: for the experiment:", f"  recorded: {{{worker}: {{{action}: {{{preference}: '{made.key}'}}}}}}"]
+    lines += [f"{folder}: {', '.join(pages)}", f"{path}: for the experiment:", f"  {use}"]
     options.present(document, "\n".join([read, *lines]), as_json)
     if faults:
         raise typer.Exit(ExitCode.FAILED_PARTS)
+
+
+def _publish_pages(
+    folder: Path,
+    made: "Imported",
+    found: "Interpreted",
+    request: "ReactionRequest",
+    parameters: "FatigueParameters",
+    use: str,
+) -> tuple[str, str]:
+    """Publish the report and the page on which the body moves among the markers; their names."""
+    from fatigue_planner.core.files import publish_text, writable_folder
+    from fatigue_planner.output.figures.style import FigureFolder
+    from fatigue_planner.output.reports.page import REPORT_FILE
+    from fatigue_planner.output.reports.recording.page import recording_page
+    from fatigue_planner.output.viewer.page import page
+    from fatigue_planner.output.viewer.page import record as played
+    from fatigue_planner.output.viewer.recorded_clip import recorded_clip
+
+    figures = FigureFolder(writable_folder(folder))
+    publish_text(folder / REPORT_FILE, recording_page(made, found, request, figures, use))
+    clip = recorded_clip(made, found.recording, request, parameters)
+    publish_text(folder / VIEW_FILE, page(str(request.name), [played(clip)], [], "").html)
+    return REPORT_FILE, VIEW_FILE
 
 
 def _request(settings: "Experiment", worker: str, action: str, preference: str) -> "ReactionRequest":

@@ -1,15 +1,20 @@
 """Whether a journal's shift can go on: it must have been begun with the same situation, or a new segment begins."""
 
 import secrets
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
-from fatigue_planner.core.errors import OtherSituationError, listed
+from fatigue_planner.core.errors import OtherSituationError, SelectionError, listed
 from fatigue_planner.core.files import digest_of, digest_of_package
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.live.clock import Clock
 from fatigue_planner.live.events import FORMAT, Advice, AlarmSettings, Opened, WorkerChanged
 from fatigue_planner.live.journal_file import Stored
-from fatigue_planner.live.rules import Rules
+from fatigue_planner.live.rules import Rules, made
+from fatigue_planner.live.shift import Shift
+from fatigue_planner.planners.policy import PolicySettings
+from fatigue_planner.planners.registry import policy as policy_settings
 from fatigue_planner.pomdp.scenario import Scenario
 
 # What decides in a shift, besides what the scenario's digest knows: files of the package.
@@ -34,7 +39,43 @@ MEANINGS = {
 }
 
 
-def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock, alarms: AlarmSettings) -> Opened:
+def first_rules(
+    scenario: Scenario,
+    settings: PolicySettings,
+    deadline_s: float,
+    unseen_limit: int,
+    safe_action: str | None,
+) -> Rules:
+    """By what a shift decides that begins with this, see `Session.open`. Raises SelectionError."""
+    model = scenario.model
+    if safe_action is None:
+        safe = int(Shift(scenario, settings, "").belief.expected_rewards().argmax())
+    elif safe_action in model.actions:
+        safe = model.actions.index(safe_action)
+    else:
+        raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
+    return made(scenario, settings, deadline_s, unseen_limit, safe, 1)
+
+
+def search_settings(
+    search: str | Mapping[str, Any] | PolicySettings | None, settings: PolicySettings
+) -> PolicySettings | None:
+    """The policy that improves the decisions of another, if one does. Raises SelectionError."""
+    searching = None if search is None else policy_settings(search)
+    if searching is not None and searching.knows != settings.knows:
+        raise SelectionError(f"search: should know what the policy does (knows: {settings.knows}).")
+    return searching
+
+
+def opening(
+    scenario: Scenario,
+    rules: Rules,
+    clock: Clock,
+    alarms: AlarmSettings,
+    search: PolicySettings | None,
+    experiment: str,
+    cache: str,
+) -> Opened:
     """The event of a shift that begins with this."""
     return Opened(
         format=FORMAT,
@@ -44,7 +85,7 @@ def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock, al
         actions=scenario.model.actions,
         policy=rules.settings.plain(),
         policy_sources=rules.settings.sources(),
-        safe_action=safe_action,
+        safe_action=scenario.model.actions[rules.safe_action],
         deadline_s=rules.deadline_s,
         unseen_limit=rules.unseen_limit,
         versions=versions(),
@@ -54,6 +95,9 @@ def opening(scenario: Scenario, rules: Rules, safe_action: str, clock: Clock, al
         parts=parts(scenario),
         planned_s=None if scenario.model.timing is None else scenario.model.timing.cycle_s,
         sources={name: digest_of_package(name) for name in SOURCES},
+        search=None if search is None else search.plain(),
+        experiment=experiment,
+        cache=cache,
     )
 
 

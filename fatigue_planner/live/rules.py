@@ -26,6 +26,7 @@ class Rules:
     settings: PolicySettings
     deadline_s: float
     unseen_limit: int
+    safe_action: int
     adviser: Adviser
     for_table: Adviser
 
@@ -54,7 +55,7 @@ def made(
     deadline_s, limit = deadline(deadline_s), unseen_limit(limit)
     adviser, for_table = (Adviser(scenario, settings, safe_action) for _ in range(2))
     warm_up(Shift(scenario, settings, ""), adviser, deadline_s)
-    return Rules(cycle, settings, deadline_s, limit, adviser, for_table)
+    return Rules(cycle, settings, deadline_s, limit, safe_action, adviser, for_table)
 
 
 def warm_up(shift: Shift, adviser: Adviser, deadline_s: float) -> None:

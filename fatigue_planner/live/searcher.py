@@ -35,12 +35,16 @@ CHUNK_BYTES = 1 << 16
 
 @dataclass(frozen=True)
 class Task:
-    """A belief to search from. number: of the preparation it is part of; observation: what would have been seen."""
+    """A belief to search from. number: of the preparation it is part of; observation: what would have been seen.
+
+    is_again: it was asked before, of a process that died or hung.
+    """
 
     number: int
     cycle: int
     observation: str | None
     belief: Belief
+    is_again: bool = False
 
 
 class Searcher:
@@ -62,6 +66,7 @@ class Searcher:
         self._faults: list[str] = []
         self._pause_s, self._not_before = FIRST_PAUSE_S, 0.0
         self._waiting: list[Task] = []
+        self._newest = -1  # preparation
         self._is_open = True
         self._changed = threading.Condition()
         self._process: subprocess.Popen[bytes] | None = None
@@ -76,6 +81,7 @@ class Searcher:
         """Search these, and forget what else was waiting."""
         with self._changed:
             self._waiting = list(tasks)
+            self._newest = tasks[0].number if tasks else -1
             self._changed.notify_all()
 
     def faults(self) -> list[str]:
@@ -126,6 +132,8 @@ class Searcher:
                     self.restarts += 1
                     self._faults.append(str(error) or type(error).__name__)
                 self._not_before = time.monotonic() + self._pause_s
+                if task.number == self._newest and not task.is_again:
+                    self._waiting.append(replace(task, is_again=True))
             self._pause_s = min(2 * self._pause_s, LONGEST_PAUSE_S)
             self._end()
             return None

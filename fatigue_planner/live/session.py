@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn, Self
@@ -21,7 +20,6 @@ from fatigue_planner.core.errors import (
     EvidenceError,
     OutputFolderError,
     SelectionError,
-    listed,
     shortened,
 )
 from fatigue_planner.live import said
@@ -29,12 +27,10 @@ from fatigue_planner.live.clock import Clock, ClockWatch, SystemClock
 from fatigue_planner.live.events import (
     MAX_NOTE_LENGTH,
     MAX_SECONDS,
-    UNCLEAR,
     Acknowledged,
     Advice,
     AlarmSettings,
     Closed,
-    Configured,
     Contradicted,
     Decided,
     Event,
@@ -51,25 +47,23 @@ from fatigue_planner.live.events import (
     Skipped,
     WorkerChanged,
 )
-from fatigue_planner.live.fit import Fit
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
-from fatigue_planner.live.opening import changes, off_after, opening, refuse, since_opened
+from fatigue_planner.live.opening import changes, first_rules, off_after, opening, refuse, search_settings, since_opened
 from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.realtime import OLD_OBJECTS
+from fatigue_planner.live.replay import last_origin, replay, time_of
 from fatigue_planner.live.rules import DEFAULT_POLICY, UNSEEN_LIMIT, Rules, from_json, made
 from fatigue_planner.live.searcher import Searcher, Task, unsearched
 from fatigue_planner.live.shift import Choice, Shift
-from fatigue_planner.live.state import DEGRADED_AFTER, Counts, Robot, SessionState, joint_fatigue, pauses
+from fatigue_planner.live.standing import Standing
+from fatigue_planner.live.state import DEGRADED_AFTER, Counts, SessionState, joint_fatigue, pauses
 from fatigue_planner.live.table import Prepared, Table
 from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
-
-# What passes between two cycles of a running robot is no rest.
-MIN_IDLE_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -111,30 +105,24 @@ class Session:
         journal: Journal,
         shift: Shift,
         rules: Rules,
-        safe_action: int,
         watch: Watch,
         search: PolicySettings | None,
         clock: Clock,
     ) -> None:
         """See `open`, which makes sessions."""
         self._journal, self._shift, self._clock = journal, shift, clock
-        self._rules, self._coming, self._safe_action = rules, rules, safe_action
         self._searcher = None if search is None else Searcher(shift.scenario, search, shift.session, self._found)
         self._table = Table(shift, rules.for_table, *([self._searcher.search] if self._searcher else []))
-        self._watch, self._clock_watch, self._fit = watch, ClockWatch(clock), Fit()
+        self._standing = Standing(shift, rules, watch, clock.seconds())
+        self._watch, self._clock_watch = watch, ClockWatch(clock)
         self._table.look, self._table.foresee = self._look, self._foresee
         self._lock, self._changing = threading.Lock(), threading.Lock()
-        self._pending: CycleDecision | None = None
-        self._prepared: Choice | None = None
         self._recorded = self._resumed_at = -1
-        # what the robot said it does in the cycle going on, and of which cycle it spoke last; 0: of none
-        self._told: Executed | None = None
-        self._robot_cycle, self._robot_silent = 0, False
-        # by the clock: when the last cycle or pause ended, and when that was of workers who are away
-        self._ended_s = clock.seconds()
-        self._left_s: dict[str, float] = {}
-        self._rests: dict[str, float] = {}  # pauses that have a name
-        self.counts = Counts()
+
+    @property
+    def counts(self) -> Counts:
+        """What did not go as planned."""
+        return self._standing.counts
 
     @classmethod
     def open(
@@ -165,26 +153,11 @@ class Session:
         Raises SelectionError for a policy that cannot decide from the belief alone or is too slow, OtherSituationError
         if the journal's shift had another task, policy or safe action, and what `Journal` raises.
         """
-        settings = policy_settings(DEFAULT_POLICY if policy is None else policy)
-        searching = None if search is None else policy_settings(search)
-        if searching is not None and searching.knows != settings.knows:
-            raise SelectionError(f"search: should know what the policy does (knows: {settings.knows}).")
         clock, alarms = clock or SystemClock(), alarms or AlarmSettings()
-        model = scenario.model
-        if safe_action is None:
-            trial = Shift(scenario, settings, "")
-            safe_action = model.actions[int(trial.belief.expected_rewards().argmax())]
-        elif safe_action not in model.actions:
-            raise SelectionError(f"safe_action {safe_action!r}: should be one of {listed(model.actions)}.")
-        safe = model.actions.index(safe_action)
-        rules = made(scenario, settings, deadline_s, unseen_limit, safe, 1)
-        opened = opening(scenario, rules, safe_action, clock, alarms).model_copy(
-            update={
-                "search": None if searching is None else searching.plain(),
-                "experiment": experiment,
-                "cache": cache,
-            }
-        )
+        settings = policy_settings(DEFAULT_POLICY if policy is None else policy)
+        searching = search_settings(search, settings)
+        rules = first_rules(scenario, settings, deadline_s, unseen_limit, safe_action)
+        opened = opening(scenario, rules, clock, alarms, searching, experiment, cache)
         written = Journal(Path(journal))
         try:
             events = since_opened(written.events)
@@ -195,9 +168,9 @@ class Session:
                     refuse(changed, Path(journal))
                 opened = opened.model_copy(update={"accepted": tuple(changed), "off": off_after(events)})
                 found, events = opened, []
-            shift = Shift(scenario, settings, found.session, found.off)
-            watch = Watch(model, alarms, shift.likelihood)
-            session = cls(written, shift, rules, safe, watch, searching, clock)
+            shift = Shift(scenario, rules.settings, found.session, found.off)
+            watch = Watch(scenario.model, alarms, shift.likelihood)
+            session = cls(written, shift, rules, watch, searching, clock)
             try:
                 if events:
                     session._resume(events, opened)
@@ -219,8 +192,9 @@ class Session:
         other.
         """
         with self._turn() as began:
-            if cycle == self._shift.cycle + 1 and self._pending is not None:
-                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=self._doing(self._pending.action)))
+            done = self._standing.done
+            if cycle == self._shift.cycle + 1 and self._standing.pending is not None and done is not None:
+                unseen = self._kept(Observed(cycle=self._shift.cycle, executed=done))
                 self._end(self._after_rest(unseen))
             elif cycle is not None and cycle != self._shift.cycle:
                 raise CycleError(f"cycle {cycle}: cannot be decided; the cycle to decide is {self._shift.cycle}.")
@@ -239,14 +213,14 @@ class Session:
             event = Executed(cycle=cycle, action=action)
             before = self._shift.recent(cycle)
             if cycle == self._shift.cycle:
-                known = None if self._told is None else self._told.action
+                known = None if self._standing.told is None else self._standing.told.action
             else:
                 known = before.executed if isinstance(before, Observed) else None
             if action is not None and known is not None and action != known:
                 self._contradict(event, f"the robot did {known}, was said before")
-            if not self._robot_silent if action is None else self._robot_silent or cycle > self._robot_cycle:
+            if self._standing.is_news(event):
                 self._record(event)
-                self._hear(event)
+                self._standing.hear(event)
                 if cycle == self._shift.cycle:
                     self._prepare()
             return self._decided(began)
@@ -295,7 +269,7 @@ class Session:
                 if not isinstance(self._shift.recent(cycle), Skipped):
                     raise CycleError(f"cycle {cycle}: was observed, and cannot be skipped any more.")
                 return self._decided(began)
-            passed_s = min(max(self._clock.seconds() - self._ended_s, 0.0), MAX_SECONDS)
+            passed_s = min(self._standing.since_s(self._clock.seconds()), MAX_SECONDS)
             seconds = said.seconds("duration_s", passed_s if duration_s is None else duration_s)
             off = not self._shift.advised
             self._end(Skipped(cycle=self._shift.cycle, duration_s=0.0 if off else seconds, off=off))
@@ -309,7 +283,7 @@ class Session:
         """
         with self._turn() as began:
             event = Rested(seconds=said.seconds("seconds", seconds), key=said.key(key))
-            before_s = None if event.key is None else self._rests.get(event.key)
+            before_s = self._standing.rested_s(event.key)
             if before_s is not None and before_s != event.seconds:
                 self._contradict(event, f"the pause {event.key} was said to be of {before_s:g} s before")
             if before_s is None and self._shift.advised:
@@ -325,8 +299,7 @@ class Session:
                 random = secrets.token_hex(8)
                 self._journal.join(random, pseudonym)
             if random != self._shift.worker:
-                left_s = None if self._shift.is_off(random) else self._left_s.get(random)
-                away_s = None if left_s is None else min(max(self._clock.seconds() - left_s, 0.0), MAX_SECONDS)
+                away_s = self._standing.away_s(random, self._clock.seconds())
                 self._take(WorkerChanged(worker=random, away_s=away_s))
             return self._decided(began)
 
@@ -353,7 +326,7 @@ class Session:
         if deadline_s is None and unseen_limit is None and policy is None:
             raise SelectionError("nothing is to be changed: give deadline_s, unseen_limit or policy.")
         with self._changing:
-            now = self._coming
+            now = self._standing.coming
             settings = now.settings if policy is None else policy_settings(from_json(policy))
             if settings.knows != self._shift.settings.knows:
                 raise SelectionError(f"policy: what it knows ({now.settings.knows}) cannot be changed in a shift.")
@@ -362,7 +335,7 @@ class Session:
                 settings,
                 now.deadline_s if deadline_s is None else deadline_s,
                 now.unseen_limit if unseen_limit is None else unseen_limit,
-                self._safe_action,
+                now.safe_action,
                 1,
             )
             with self._turn() as began:
@@ -397,12 +370,13 @@ class Session:
         """Where the shift stands, for people to look at."""
         levels = self._look()
         with self._lock:
-            pending = self._pending
+            standing = self._standing
+            pending = standing.pending
             return SessionState(
                 cycle=self._shift.cycle,
                 action=None if pending is None else pending.action,
                 fallback="none" if pending is None else pending.fallback,
-                since_s=max(self._clock.seconds() - self._ended_s, 0.0),
+                since_s=standing.since_s(self._clock.seconds()),
                 worker=self._shift.worker,
                 advised=self._shift.advised,
                 counts=replace(self.counts),
@@ -412,17 +386,17 @@ class Session:
                 recorded=self._recorded,
                 durable_up_to=self._journal.durable_up_to,
                 fault=self._journal.fault,
-                robot=self._robot(),
+                robot=standing.robot,
                 rehearsal=self._clock.is_rehearsal(),
                 resumed_at=self._resumed_at,
                 actions=self._shift.scenario.model.actions,
                 reactions=self._shift.scenario.model.observations,
                 degraded=self.counts.unseen_in_a_row >= DEGRADED_AFTER,
-                surprises=self._fit.surprises,
-                judged=self._fit.judged,
-                fits=self._fit.holds,
+                surprises=standing.fit.surprises,
+                judged=standing.fit.judged,
+                fits=standing.fit.holds,
                 preferences=self._shift.scenario.model.outcomes,
-                executed=None if self._told is None else self._told.action,
+                executed=None if standing.told is None else standing.told.action,
             )
 
     @property
@@ -472,16 +446,17 @@ class Session:
             yield began
 
     def _decided(self, began: float) -> CycleDecision:
-        if self._pending is None:
-            cycle, prepared = self._shift.cycle, self._prepared
-            rules = self._rules
+        standing = self._standing
+        pending = standing.pending
+        if pending is None:
+            cycle, rules, prepared = self._shift.cycle, standing.rules, standing.prepared
             if not self._shift.advised or self.counts.unseen_in_a_row >= rules.unseen_limit:
                 choice, prepared = rules.adviser.without_belief(cycle), None
             else:
                 choice = prepared or rules.adviser.choose(self._shift.belief, cycle)
                 choice = unsearched(choice) if self._searcher else choice
             took_s = time.perf_counter() - began
-            event = Decided(
+            pending = Decided(
                 cycle=cycle,
                 action=self._shift.belief.model.actions[choice.action],
                 reason=choice.reason,
@@ -490,42 +465,25 @@ class Session:
                 late=took_s > rules.deadline_s,
                 duration_s=took_s,
             )
-            self._tell(event)
-            self._stand(event)
+            self._tell(pending)
+            standing.decide(pending)
             self._prepare()
-        assert self._pending is not None
-        return replace(self._pending, recorded=self._recorded, durable_up_to=self._journal.durable_up_to)
-
-    def _stand(self, event: Decided) -> None:
-        """From now on this is what was decided for the cycle."""
-        self._pending = CycleDecision(
-            event.cycle, event.action, event.reason, event.fallback, event.prepared, event.late, -1, -1
+        return CycleDecision(
+            pending.cycle,
+            pending.action,
+            pending.reason,
+            pending.fallback,
+            pending.prepared,
+            pending.late,
+            self._recorded,
+            self._journal.durable_up_to,
         )
-        self._prepared = None
 
     def _prepare(self) -> None:
         """Prepare what may follow the cycle that was decided."""
-        if self._pending is not None and self._shift.advised:
-            self._table.prepare(self._shift.belief, self._pending.cycle, self._doing(self._pending.action))
-
-    def _doing(self, decided: str) -> str:
-        """What the robot does in the cycle going on: what it said itself, else what was decided."""
-        told = None if self._told is None else self._told.action
-        return decided if told is None else told
-
-    def _hear(self, event: Executed) -> None:
-        """The robot said what it does, or that it does not answer was said."""
-        self._robot_silent = event.action is None
-        if event.action is not None:
-            self._robot_cycle = event.cycle
-            if event.cycle == self._shift.cycle:
-                self._told = event
-
-    def _robot(self) -> Robot:
-        """Whether the robot says what it does; one that said nothing of the cycle before is unreachable."""
-        if self._robot_silent or 0 < self._robot_cycle < self._shift.cycle - 1:
-            return "unreachable"
-        return "answers" if self._robot_cycle else "unknown"
+        pending, done = self._standing.pending, self._standing.done
+        if pending is not None and done is not None and self._shift.advised:
+            self._table.prepare(self._shift.belief, pending.cycle, done)
 
     def _contradict(self, event: Observed | Executed | Rested, why: str) -> NoReturn:
         cycle = self._shift.cycle if isinstance(event, Rested) else event.cycle
@@ -543,9 +501,10 @@ class Session:
         """What was said of a cycle. Raises EvidenceError, CycleError."""
         said.check_cycle(cycle, self._shift)
         before = self._shift.recent(cycle)
-        told = None if cycle != self._shift.cycle or self._told is None else self._told.action
+        told = self._standing.told.action if cycle == self._shift.cycle and self._standing.told else None
         if executed is None:
-            decided = self._pending if self._pending is not None and self._pending.cycle == cycle else before
+            pending = self._standing.pending
+            decided = pending if pending is not None and pending.cycle == cycle else before
             executed = told or getattr(decided, "action", None) or getattr(decided, "executed", None)
             if executed is None:
                 raise CycleError(f"cycle {cycle}: nothing was decided for it; say what the robot did (executed).")
@@ -562,71 +521,24 @@ class Session:
 
     def _after_rest(self, event: Observed) -> Observed:
         """The cycle that has just ended, after the rest before it."""
-        idle_s = self._idle(event)
+        idle_s = self._standing.idle_s(event, self._clock.seconds())
         return event.model_copy(update={"idle_s": idle_s}) if idle_s else event
-
-    def _idle(self, event: Observed) -> float:
-        """Seconds between the end of the cycle before and the beginning of the one that has just ended."""
-        if event.off:
-            return 0.0
-        planned_s = self._shift.planned_s if event.duration_s is None else event.duration_s
-        idle_s = self._clock.seconds() - self._ended_s - planned_s
-        return 0.0 if idle_s < MIN_IDLE_S else min(idle_s, MAX_SECONDS)
 
     def _end(self, event: Observed | Skipped) -> None:
         """The cycle going on has ended so."""
         prepared = self._table.take(event) if isinstance(event, Observed) else None
         self._take(event, prepared)
-        self._prepared = prepared.choice if prepared else None
+        self._standing.prepared = prepared.choice if prepared else None
 
     def _take(self, event: Input, prepared: Prepared | None = None) -> None:
         self._record(event)
-        self._go_on(event, self._clock.seconds(), prepared)
+        self._standing.go_on(event, self._clock.seconds(), prepared)
         self._prepare()
-
-    def _go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
-        """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late."""
-        is_metered = isinstance(event, Observed) and self._shift.advised
-        before = self._shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
-        self._account(event, at_s, before)
-        if isinstance(event, WorkerChanged):
-            self._left_s[self._shift.worker] = min(self._ended_s, at_s)  # what has passed since then was rest
-        surprised = self._shift.take(event, prepared.belief if prepared else None)
-        if isinstance(event, Observed):
-            unknown = event.is_unclear and UNCLEAR not in self._shift.scenario.model.observations
-            surprised = not event.off and (surprised or unknown)
-            self.counts.surprised += surprised
-            self._fit.add(event, surprised)
-            if event.late:
-                return
-        elif isinstance(event, WorkerChanged):
-            self._fit.change(event.worker)
-        if isinstance(event, Advice):
-            self._prepared = None
-            if not event.on:
-                self._fit.forget()
-            return
-        self._pending = None
-        if self._shift.cycle >= self._coming.cycle:
-            self._rules = self._coming
-        if isinstance(event, Rested) and event.key is not None:
-            self._rests[event.key] = event.seconds
-        if isinstance(event, Observed | Skipped):
-            self._told = None
-            # the robot need not speak of a cycle in which it did nothing
-            self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
-        # a pause may be said when it begins, too: then it ends later than now
-        self._ended_s = self._ended_s + event.seconds if isinstance(event, Rested) else at_s
 
     def _tell(self, event: Event) -> None:
         """Record an event that is no input, and stand where it leads."""
         self._record(event)
-        self._account(event, self._clock.seconds())
-
-    def _account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
-        """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
-        self.counts.add(event, None if self._pending is None else self._pending.action, self._shift.cycle - 1)
-        self._watch.account(event, at_s, self._shift.worker, before)
+        self._standing.account(event, self._clock.seconds())
 
     def _look(self) -> Levels:
         """Look at the belief, and tell the alarms that are due. Not to be called in a turn."""
@@ -642,7 +554,7 @@ class Session:
         """Find out what will pass the limit, as long as the cycle goes on."""
         with self._lock:
             belief, cycle, is_known = self._shift.belief, self._shift.cycle, self._shift.advised
-            by_belief = self.counts.unseen_in_a_row < self._rules.unseen_limit
+            by_belief = self.counts.unseen_in_a_row < self._standing.rules.unseen_limit
 
         def plan(then: Belief, n: int) -> int:
             if has_ended():
@@ -662,7 +574,7 @@ class Session:
 
     def _rule(self, rules: Rules) -> None:
         """Decide by these from their cycle on."""
-        self._coming = rules
+        self._standing.coming = rules
         self._table.adviser = rules.for_table
 
     def _found(self, task: Task, choice: Choice) -> bool:
@@ -670,56 +582,22 @@ class Session:
 
     def _resume(self, events: list[Stored], now: Opened) -> None:
         """Go on with the journal's shift. What decides is as it was last, but for what is given otherwise now."""
-        self._replay(events)
-        last, origin = events[-1], self._clock.origin()
-        known = [one.event.origin for one in events if isinstance(one.event, Opened | Resumed)]
-        if known[-1] == origin:
+        self._recorded = events[-1].number
+        standing, clock, last = self._standing, self._clock, events[-1]
+        replay(standing, events, clock, self._journal.path)
+        self._table.adviser = standing.coming.for_table
+        self._prepare()
+        origin = last_origin(events)
+        if origin == clock.origin():
             self._clock_watch.stood(last.seconds, last.utc)
-        away_s = max(self._clock.seconds() - self._now(last, known[-1]), 0.0)
-        self._record(Resumed(origin=origin, away_s=away_s, alarms=now.alarms))
+        away_s = max(clock.seconds() - time_of(last, origin, clock), 0.0)
+        self._record(Resumed(origin=clock.origin(), away_s=away_s, alarms=now.alarms))
         self._resumed_at = self._recorded
         begun = events[0].event
         assert isinstance(begun, Opened)
-        given = (now.deadline_s, now.unseen_limit)
-        if given not in ((begun.deadline_s, begun.unseen_limit), (self._coming.deadline_s, self._coming.unseen_limit)):
-            rules = replace(self._coming, cycle=self._shift.cycle, deadline_s=given[0], unseen_limit=given[1])
+        coming, given = standing.coming, (now.deadline_s, now.unseen_limit)
+        if given not in ((begun.deadline_s, begun.unseen_limit), (coming.deadline_s, coming.unseen_limit)):
+            rules = replace(coming, cycle=self._shift.cycle, deadline_s=given[0], unseen_limit=given[1])
             self._record(rules.event())
             self._rule(rules)
-            self._rules = rules
-
-    def _replay(self, events: list[Stored]) -> None:
-        """Stand where the journal's shift stands; its events begin with that of its opening."""
-        self._recorded = events[-1].number
-        origin = ""
-        for stored in events:
-            event = stored.event
-            if isinstance(event, Opened | Resumed):
-                origin = event.origin
-            if isinstance(event, Input):
-                self._go_on(event, self._now(stored, origin))
-                continue
-            self._account(event, self._now(stored, origin))
-            if isinstance(event, Decided):
-                self._stand(event)
-            elif isinstance(event, Executed):
-                self._hear(event)
-            elif isinstance(event, Configured):
-                self._rule(self._as_before(event))
-                if event.cycle <= self._shift.cycle:
-                    self._rules = self._coming
-        self._prepare()
-
-    def _now(self, stored: Stored, origin: str) -> float:
-        """When an event was, by this clock; after the machine has started anew, by the time of day."""
-        if origin == self._clock.origin():
-            return stored.seconds
-        ago_s = (self._clock.utc() - datetime.fromisoformat(stored.utc).astimezone(UTC)).total_seconds()
-        return self._clock.seconds() - max(ago_s, 0.0)
-
-    def _as_before(self, event: Configured) -> Rules:
-        """The rules of an event of this journal. Raises OtherSituationError if a plug-in among them has changed."""
-        settings = policy_settings(from_json(event.policy))
-        if settings.sources() != event.policy_sources:
-            refuse([f"the policy from cycle {event.cycle} on"], self._journal.path)
-        scenario, limits = self._shift.scenario, (event.deadline_s, event.unseen_limit)
-        return made(scenario, settings, *limits, self._safe_action, event.cycle)
+            standing.rules = rules

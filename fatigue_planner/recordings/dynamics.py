@@ -1,6 +1,6 @@
 """From postures to torques: one smoother for motion and plates, inverse dynamics, and what is left of the wrench."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -11,14 +11,15 @@ from scipy.signal import butter, sosfiltfilt
 
 from fatigue_planner.core.errors import RecordingError
 from fatigue_planner.human.multibody import BASE_DOF, GRAVITY_MPS2
-from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.human.skeleton import JOINTS, SIDES
 from fatigue_planner.recordings.kinematics.measured import Measured
+from fatigue_planner.recordings.kinematics.tracking import SKIN_HZ
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
 
-# Zero-lag Butterworth filter of 4th order, forwards and backwards; the field's cut-off (Winter 2009), for plates, too.
-CUTOFF_HZ, ORDER = 6.0, 2
+# Zero-lag Butterworth filter of 4th order, forwards and backwards; for plates, too.
+ORDER = 2
 # A plate belongs to the foot in whose reach its centre of pressure is; it takes less for nothing.
 LEAST_N, REACH_M = 20.0, 0.25
 # Where nobody measured: the moment's lever in a sole, and how much higher a foot in the air is (assumed).
@@ -39,8 +40,10 @@ class Movement:
 
 @dataclass(frozen=True)
 class Torques:
-    """Inverse dynamics: torques (n, 39) N.m, and the force (n, 3) N and moment about the mid-hip (n, 3) N.m, in the
-    world's axes, that no plate explains; foot (n, p): which foot stands on each plate: 0 right, 1 left, -1 neither.
+    """Inverse dynamics: torques (n, 39) N.m, NaN of joints that no marker shows.
+
+    And the force (n, 3) N and moment about the mid-hip (n, 3) N.m, in the world's axes, that no plate explains; foot
+    (n, p): which foot stands on each plate: 0 right, 1 left, -1 neither.
     """
 
     torque_nm: Vector
@@ -49,8 +52,10 @@ class Torques:
     foot: NDArray[np.int64]
 
 
-def smooth(values: Vector, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> Vector:
-    """Values (n, ...) without what is faster than the cut-off. Raises RecordingError if there are too few."""
+def smooth(values: Vector, rate_hz: float, cutoff_hz: float | None = SKIN_HZ) -> Vector:
+    """Values (n, ...) without what is faster than the cut-off, if any. Raises RecordingError if there are too few."""
+    if cutoff_hz is None:
+        return values
     if rate_hz <= 2 * cutoff_hz:
         raise RecordingError(
             f"{rate_hz:g} frames a second are too few for torques, which need more than {2 * cutoff_hz:g}."
@@ -62,21 +67,21 @@ def smooth(values: Vector, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> Vect
     return np.asarray(sosfiltfilt(filters, values, axis=0, padlen=pad))
 
 
-def movement(model: pin.Model, configuration: Vector, rate_hz: float, cutoff_hz: float = CUTOFF_HZ) -> Movement:
-    """The smooth motion through configurations (n, 46), and its derivatives, by central differences and as smooth."""
+def movement(model: pin.Model, configuration: Vector, rate_hz: float, cutoff_hz: float | None = SKIN_HZ) -> Movement:
+    """The motion through configurations (n, 46), and its derivatives, by central differences; all of them smooth."""
     middle = configuration[0]
     tangent = np.array([pin.difference(model, middle, one) for one in configuration])
     tangent[:, 3:6] = np.unwrap(tangent[:, 3:6], axis=0)
     own = np.array([pin.integrate(model, middle, one) for one in smooth(tangent, rate_hz, cutoff_hz)])
     forward = np.array([pin.difference(model, a, b) for a, b in pairwise(own)]) * rate_hz
     velocity = np.concatenate([forward[:1], (forward[:-1] + forward[1:]) / 2, forward[-1:]])
-    velocity = smooth(velocity, rate_hz, cutoff_hz)
-    acceleration = smooth(np.gradient(velocity, 1 / rate_hz, axis=0), rate_hz, cutoff_hz)
-    return Movement(rate_hz, own, velocity, acceleration)
+    change = np.diff(forward, axis=0) * rate_hz
+    acceleration = np.concatenate([change[:1], change, change[-1:]])
+    return Movement(rate_hz, own, smooth(velocity, rate_hz, cutoff_hz), smooth(acceleration, rate_hz, cutoff_hz))
 
 
 def ground_at(
-    ground: Sequence[GroundForce], ground_rate_hz: float, frames: int, rate_hz: float, cutoff_hz: float = CUTOFF_HZ
+    ground: Sequence[GroundForce], ground_rate_hz: float, frames: int, rate_hz: float, cutoff_hz: float | None = SKIN_HZ
 ) -> list[GroundForce]:
     """The plates, smoothed like the motion, at its frames."""
     times = np.arange(frames) / rate_hz
@@ -91,8 +96,13 @@ def ground_at(
     return found
 
 
-def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[GroundForce]) -> Torques:
+def inverse_dynamics(
+    model: pin.Model, motion: Movement, ground: Sequence[GroundForce], marked: Collection[str] | None = None
+) -> Torques:
     """The torques that make the motion under what the plates do to the feet (at the motion's frames).
+
+    marked: bodies that have markers, if only some have: no torque is reported of a joint with none of them beyond, as
+    of the wrist without markers on the hand. A guess of it would be taken for a measurement.
 
     Without plates the ground does to the soles what the motion needs, shared as by `_shared`; nothing is left then, and
     the residuals are NaN, as nobody measured them. The joints above the pelvis do not depend on it.
@@ -127,7 +137,18 @@ def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[Ground
         turn = data.oMi[1].rotation
         residual[n, :3], residual[n, 3:] = turn @ found[:3], turn @ found[3:6]
     residual = residual if ground else np.full_like(residual, np.nan)
+    if marked is not None:
+        torque[:, ~shown(marked)] = np.nan
     return Torques(torque, residual[:, :3], residual[:, 3:], foot)
+
+
+def shown(marked: Collection[str]) -> NDArray[np.bool_]:
+    """Which angles (39,) are of joints that have one of the marked bodies beyond them."""
+    beyond = set(marked)
+    for joint in reversed(JOINTS):
+        if joint.child in beyond:
+            beyond.add(joint.parent)
+    return np.array([joint.child in beyond for joint in JOINTS for _ in joint.degrees_of_freedom])
 
 
 def balanced(person: Measured, motion: Movement, ground: Sequence[GroundForce]) -> Measured:

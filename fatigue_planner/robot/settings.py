@@ -33,9 +33,8 @@ class RobotBase(Settings):
 
     def placement(self) -> Vector:
         """The frame (4, 4) of the base in the world."""
-        turn = np.radians(self.yaw_deg)
         frame = np.eye(4)
-        frame[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+        frame[:3, :3] = turn_about_vertical(np.radians(self.yaw_deg))
         frame[:3, 3] = self.x, self.y, self.z
         return frame
 
@@ -132,8 +131,9 @@ class RobotSettings(Settings):
 
     def flanges_at(self, fists: Vector, turned_rad: float = 0.0) -> Vector:
         """The flange (n, 4, 4) for fists at (n, 3) m, for workers who are turned by so much to the left."""
-        z = _turned(self.hold.direction.unit(), turned_rad)
-        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else _turned(np.array([1.0, 0, 0]), turned_rad)
+        turned = turn_about_vertical(turned_rad)
+        z = turned @ self.hold.direction.unit()
+        up = np.array([0.0, 0.0, 1.0]) if abs(z[2]) < _NEARLY_VERTICAL else turned[:, 0]
         x = up - (up @ z) * z
         x /= np.linalg.norm(x)
         turn = np.radians(self.hold.roll_deg or 0.0)
@@ -144,9 +144,7 @@ class RobotSettings(Settings):
         return targets
 
 
-def _turned(vector: Vector, angle_rad: float) -> Vector:
-    """A vector (3,), turned about the vertical."""
-    if angle_rad == 0:
-        return vector
+def turn_about_vertical(angle_rad: float) -> Vector:
+    """The rotation (3, 3) by an angle to the left."""
     c, s = np.cos(angle_rad), np.sin(angle_rad)
-    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -15,6 +15,7 @@ from fatigue_planner.station.examine import Examined, examine
 from fatigue_planner.station.judging import judge
 from fatigue_planner.station.kept_shares import reach_shares
 from fatigue_planner.station.outcomes import Task, tasks_of
+from fatigue_planner.station.robot_reach import robot_finding
 from fatigue_planner.station.rotation import best_rotation
 from fatigue_planner.station.schema import Station
 from fatigue_planner.station.sensing import sensing_of
@@ -73,6 +74,7 @@ def assess(
         assumptions=assumptions_of(station),
         station_digest=digest_of(station.plain()),
         version=__version__,
+        robot=robot_finding(station, tuple(found.robot)),
     )
 
 

@@ -13,6 +13,7 @@ from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.human.anthropometry import Sex
 from fatigue_planner.motion.plausibility import Finding
 from fatigue_planner.motion.settings import Side
+from fatigue_planner.robot.scan import Standpoint
 from fatigue_planner.station.limits import Breach
 from fatigue_planner.station.schema import Station, Way
 from fatigue_planner.station.workers import WorkerFacts
@@ -252,6 +253,49 @@ class Sensing:
     certain: bool
 
 
+class RobotMeeting(NamedTuple):
+    """The nearest that the arm comes to a worker in any way of working: to which part of the body, and when."""
+
+    worker: str
+    way: Way
+    distance_m: float
+    part: str
+    time_s: float
+
+
+@dataclass(frozen=True)
+class RobotPlace:
+    """What the robot can make of a place of an operation.
+
+    reason       why the arm does not get there; empty where it does
+    angles_deg   of its joints, there or as near as it comes; `joint_margin_deg`: from the nearest limit, of `tightest`
+    manipulability  sqrt(det J J^T) in m^3
+    meeting      None where the arm or every worker does not get there
+    left_out     why nothing that is planned or recommended has this place; None if it may
+    """
+
+    operation: str
+    place: str
+    reason: str
+    angles_deg: tuple[float, ...]
+    joint_margin_deg: float
+    tightest: str
+    manipulability: float
+    meeting: RobotMeeting | None
+    left_out: Phrase | None
+
+
+@dataclass(frozen=True)
+class RobotFinding:
+    """The robot of a station: what ships of the arm, its places, and how many places it reaches from elsewhere."""
+
+    arm: str
+    source: str
+    payload_kg: float | None
+    places: tuple[RobotPlace, ...]
+    scan: tuple[Standpoint, ...]
+
+
 @dataclass(frozen=True)
 class StationAssessment:
     """Everything that is found out about a station.
@@ -276,6 +320,7 @@ class StationAssessment:
     assumptions: tuple[Phrase, ...]
     station_digest: str
     version: str
+    robot: RobotFinding | None = None
 
     def outcome(self, doing: Doing) -> Outcome:
         """The outcome of a motion."""

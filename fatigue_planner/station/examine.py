@@ -7,10 +7,19 @@ from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.station.assessment import BestPlaces, Doing, Judged, Outcome, PlaceForWorker, PlaceSummary
+from fatigue_planner.station.assessment import (
+    BestPlaces,
+    Doing,
+    Judged,
+    Outcome,
+    PlaceForWorker,
+    PlaceSummary,
+    RobotPlace,
+)
 from fatigue_planner.station.judging import Case, Verdict, judge
 from fatigue_planner.station.outcomes import Task, simulate_all, tasks_of
 from fatigue_planner.station.recommendation import Considered, best_of, excluded, places_for_workers, ranked, summaries
+from fatigue_planner.station.robot_reach import robot_places, ruled_out
 from fatigue_planner.station.schema import Station
 
 # So many combinations of places that are allowed as whole cycles are looked for, from the least tiring one on.
@@ -38,15 +47,17 @@ class Examined:
     summaries: Sequence[PlaceSummary]
     ranking: Sequence[Considered]
     best: BestPlaces
+    robot: Sequence[RobotPlace] = ()
 
     def doings(self, worker: str, places: Mapping[str, str]) -> tuple[Doing, ...]:
         """What a worker does in a cycle at some places, each in the best way; nothing where one cannot be reached.
 
         Operations without a place are done at the worker's own best.
         """
-        found = []
+        found, out = [], ruled_out(self.robot)
         for operation in self.station.operations:
             own = [each for each in self.places if (each.worker, each.operation) == (worker, operation)]
+            own = [each for each in own if (operation, each.place) not in out]
             own = [each for each in own if each.way is not None and places.get(operation, each.place) == each.place]
             if not own:
                 return ()
@@ -90,7 +101,8 @@ def _examined(
     alone = {each.doing: _judged(each, verdicts[each.doing]) for each in outcomes if each.usable}
     courses = {doing: verdicts[doing].courses[0] for doing in alone}
     places = places_for_workers(station, outcomes, alone)
-    out = excluded(station, places, alone)
+    robot = robot_places(station, reached, cache, command)
+    out = {**ruled_out(robot), **excluded(station, places, alone)}
     found = Examined(
         station,
         {task.doing: task for task in tasks},
@@ -101,6 +113,7 @@ def _examined(
         summaries(station, places, alone),
         ranked(station, places, out, courses),
         best_of(station, (), out, None),
+        robot,
     )
     ranking, together = _allowed_together(found, cache, command)
     return replace(found, ranking=ranking, best=best_of(station, ranking, out, together))

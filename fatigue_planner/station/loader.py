@@ -14,6 +14,7 @@ from fatigue_planner.experiment.error_messages import error_lines, joined_errors
 from fatigue_planner.fatigue.parameters import FatigueSettings, fatigue_parameters
 from fatigue_planner.human.joint_data import maximum_torque
 from fatigue_planner.human.model import build_human
+from fatigue_planner.robot.arm import arm_named
 from fatigue_planner.station.experiments import TIME_STEP_S
 from fatigue_planner.station.place_grid import expand_place_grids
 from fatigue_planner.station.schema import Station
@@ -84,6 +85,11 @@ def station_faults(station: Station) -> Iterator[str]:
             fatigue_parameters(FatigueSettings(), maximum_torque(worker.strength))
         except DataFileError as error:
             yield f"workers.{name}: {error}"
+    if station.robot is not None:
+        try:
+            arm_named(station.robot.arm, station.robot.link_radius_m)
+        except ExperimentError as error:
+            yield str(error)
     times = {f"cycle.{key}": getattr(station.cycle, key) for key in ("duration_s", "reach_s", "return_s")}
     times |= {f"operations.{name}.seconds": each.seconds for name, each in station.operations.items()}
     for key, seconds in times.items():

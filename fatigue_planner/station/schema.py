@@ -18,6 +18,7 @@ from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Orientation, Position
 from fatigue_planner.motion.payload import FromFist
 from fatigue_planner.motion.settings import Side
+from fatigue_planner.robot.settings import RobotSettings
 from fatigue_planner.station.limits import Limit
 
 # Estimates from strengths alone that find most work with a raised arm too much; no standard sets their limits.
@@ -244,6 +245,12 @@ class Station(Settings):
     )
     limits: tuple[Limit, ...] = Field(
         default=(), max_length=20, description="What no worker may be asked for; it excludes places and ways."
+    )
+    robot: RobotSettings | None = Field(
+        default=None,
+        description="The robot that presents the object at the places. Where it cannot, or comes too near to a worker, "
+        "is left out of what is recommended and planned. hold.direction is turned with a worker who faces the place. "
+        "Default: none.",
     )
     shift: ShiftHours | None = Field(default=None, description="Length and breaks of the shift. Default: not known.")
 

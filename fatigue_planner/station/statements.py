@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.robot.scan import Standpoint
 from fatigue_planner.station.assessment import (
     BestPlaces,
     Change,
@@ -11,11 +12,13 @@ from fatigue_planner.station.assessment import (
     PlaceForWorker,
     PlaceSummary,
     ReachShare,
+    RobotFinding,
     Rotation,
     Rule,
     Sensing,
     WholeCycle,
 )
+from fatigue_planner.station.robot_reach import ruled_out
 from fatigue_planner.station.schema import Station
 
 # Who cannot work where.
@@ -35,6 +38,9 @@ BEST_BY = (
 BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
 WARNED = "{operation} at {place}: not acceptable by {rules}, which only warns (binding)"
 NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
+NONE_PRESENTED = (
+    "No place is recommended for {operation}: none is reached by all, acceptable, and presented by the robot"
+)
 COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
 WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
 NO_JOINT = "No joint tires"
@@ -43,6 +49,14 @@ REACH = "{place} is reached by {share:.0%} of the {sex} population ({low:.0%} to
 REACH_NEARLY_ALL = "{place} is reached by nearly all of the {sex} population"
 NOT_STRONG = "Nobody of the {sex} population is strong enough for {place}: even P99 of strength cannot bear the load"
 STRONG = "{share:.0%} of the {sex} population are strong enough for {place} ({joint} decides)"
+# What the robot can present.
+ROBOT_ALL = "The {arm} reaches all {count} places from {here}"
+ROBOT_ALL_THERE = "The {arm} reaches {reached} of {count} places from {here}, all from {there}"
+ROBOT_MORE_THERE = "The {arm} reaches {reached} of {count} places from {here}, {more} from {there}"
+ROBOT_NO_MORE = "The {arm} reaches {reached} of {count} places from {here}; no other height that was tried reaches more"
+ROBOT_NEARER = "With its base {x_m:g} m ahead it reaches {more}, from {there}"
+ROBOT_CLEARANCE = "It comes nearest to a worker at {place}: {distance_cm:.0f} cm to the {part} of {worker} ({way})"
+ROBOT_MARGIN = "Its joints stay {margin:.0f} degrees or more from their limits"
 # What has to be known.
 ASSUMED_POPULATION = "Percentiles are of ANSUR II, soldiers of the US Army in 2012; give population for your own people"
 OWN_POPULATION = "Percentiles are of the station's own population"
@@ -58,6 +72,10 @@ ASSUMED_LAW = (
     "Fatigue is the paper's law, which forgets within minutes: of breaks and rotation by the hour it says nothing"
 )
 ASSUMED_TOOL = "A tool is a point mass, in the fist or at its centre_of_mass_m; vibration is not simulated"
+NOT_FOR_SAFETY = (
+    "What is said of the robot is no risk assessment (ISO 10218): contact forces, speeds and its way from one place to "
+    "the next are not computed, and clearance_m is no safety distance"
+)
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
 # What single changes do, and another place in every cycle.
@@ -143,7 +161,7 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
     if not best.places:
         for operation in station.operations:
             if all((operation, place) in best.excluded for place in station.operations[operation].places):
-                yield Phrase(NONE_ALLOWED, {"operation": operation})
+                yield Phrase(NONE_ALLOWED if station.robot is None else NONE_PRESENTED, {"operation": operation})
         if best.together is not None:
             yield best.together
         yield from _compared(summaries, {})
@@ -215,6 +233,40 @@ def of_changes(changes: Sequence[Change], best: BestPlaces) -> Phrases:
         yield Phrase(CHANGED, values) if saving is None else Phrase(CHANGED_BY, values | {"saving": saving})
 
 
+def of_robot(station: Station, robot: RobotFinding | None) -> Phrases:
+    """How many places the robot reaches, from where it would reach more, how near it comes, and what is left out."""
+    if robot is None or station.robot is None:
+        return
+    base, count = station.robot.base_m, len({each.place for each in robot.places})
+    here = next(each for each in robot.scan if (each.x_m, each.height_m) == (base.x, base.z))
+    above = [each for each in robot.scan if each.x_m == base.x]
+    there = max(above, key=lambda each: (each.reached, -abs(each.height_m - base.z)))
+    values: Values = {"arm": robot.arm, "reached": here.reached, "count": count, "here": _standing(here)}
+    if here.reached == count:
+        yield Phrase(ROBOT_ALL, values)
+    elif there.reached == here.reached:
+        yield Phrase(ROBOT_NO_MORE, values)
+    else:
+        template = ROBOT_ALL_THERE if there.reached == count else ROBOT_MORE_THERE
+        yield Phrase(template, values | {"more": there.reached, "there": _standing(there)})
+    best = max(robot.scan, key=lambda each: (each.reached, -abs(each.x_m - base.x), -abs(each.height_m - base.z)))
+    if best.reached > there.reached:
+        yield Phrase(ROBOT_NEARER, {"x_m": best.x_m, "more": best.reached, "there": _standing(best)})
+    met = [(each.meeting, each) for each in robot.places if each.meeting is not None]
+    if met:
+        meeting, place = min(met, key=lambda pair: pair[0].distance_m)
+        near: Values = {"distance_cm": 100 * meeting.distance_m, "part": meeting.part, "worker": meeting.worker}
+        yield Phrase(ROBOT_CLEARANCE, near | {"place": place.place, "way": meeting.way})
+    if margins := [each.joint_margin_deg for each in robot.places if not each.reason]:
+        yield Phrase(ROBOT_MARGIN, {"margin": min(margins)})
+    yield from ruled_out(robot.places).values()
+
+
+def _standing(at: Standpoint) -> str:
+    """What a base at this height stands on."""
+    return f"a pedestal of {at.height_m:g} m" if at.height_m > 0 else "the floor"
+
+
 def of_rotation(rotation: Rotation | None) -> Phrases:
     """What another place in every cycle does, where there is a choice."""
     if rotation is None:
@@ -258,6 +310,8 @@ def assumptions_of(station: Station) -> tuple[Phrase, ...]:
     ]
     if station.tools:
         found.append(Phrase(ASSUMED_TOOL))
+    if station.robot is not None:
+        found.append(Phrase(NOT_FOR_SAFETY))
     if station.shift is None:
         found.append(Phrase(ASSUMED_SHIFT))
     return tuple(found)

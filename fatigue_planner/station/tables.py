@@ -13,6 +13,7 @@ from fatigue_planner.core.settings import Settings
 from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Phrase
 from fatigue_planner.station.assessment import Doing, StationAssessment
+from fatigue_planner.station.robot_reach import ruled_out
 
 INDICATOR_COLUMNS = [
     *Doing._fields, "indicator", "edition", "applies", "low", "high", "unit", "level_low", "level_high",
@@ -50,6 +51,7 @@ def plain(value: Any) -> Any:
 
 def place_rows(assessment: StationAssessment) -> Iterator[dict[str, Any]]:
     """One row per place of an operation, a map: where it is, who reaches it, how it is judged, how it tires."""
+    robot = {} if assessment.robot is None else ruled_out(assessment.robot.places)
     for each in assessment.summaries:
         at = assessment.station.places[each.place]
         yield {
@@ -66,6 +68,7 @@ def place_rows(assessment: StationAssessment) -> Iterator[dict[str, Any]]:
             "highest_fatigue": each.peak,
             "most_tired_entry": each.entry,
             "fatigue_cost": each.cost,
+            "left_out_by_robot": str(robot.get((each.operation, each.place), "")),
             "recommended": assessment.best.places.get(each.operation) == each.place,
         }
 

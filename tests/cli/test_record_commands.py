@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from browser import chromium
 from commands import fatplan, refused
 from conftest import PAPER
 from recorded import LABELS, figure, trc
@@ -160,6 +161,25 @@ def test_what_cannot_be_imported_is_said_before_anything_is_read(recorded: Path)
     )
 
 
+def check_pages(folder: Path, key: str) -> None:
+    """What one looks at before believing a torque: nothing is loaded from elsewhere, anybody can use it."""
+    text = (folder / "report.html").read_text()
+    assert "Verdict: <code>ok</code>" in text and f"&#39;{key}&#39;" in text
+    assert all(
+        f">{title}</a>" in text for title in ("Markers", "What no plate explains", "Joint angles", "Joint torques")
+    )
+    assert {"markers.csv", "residuals.csv", "angles.csv", "torques.csv"} <= {file.name for file in folder.iterdir()}
+    view = (folder / "view.html").read_text()
+    assert "a marker of the recording" in view
+    with chromium(folder / "profile") as page:
+        for width in (1400, 390):
+            page.open((folder / "report.html").as_uri(), width)
+            page.until("document.readyState == 'complete' && document.querySelectorAll('figure').length == 4")
+            assert page.faults() == []
+            assert page.value("document.documentElement.scrollWidth <= window.innerWidth")
+        assert all(address.startswith(("file:", "data:", "about:")) for address in page.requests)
+
+
 @pytest.mark.slow
 def test_a_mixed_experiment_runs(recorded: Path) -> None:
     """One reaction recorded, three simulated: simulate, benchmark, report, schedule, view, and the cache's commands."""
@@ -176,6 +196,7 @@ def test_a_mixed_experiment_runs(recorded: Path) -> None:
     finally:
         os.chdir(before)
     assert (found["verdict"], found["name"]) == ("ok", "average_man/high/arm")
+    check_pages(recorded / found["folder"], found["key"])
     mixed = yaml.safe_load((recorded / "mixed.yaml").read_text())
     mixed["recorded"] = {"average_man": {"high": {"arm": found["key"]}}}
     (recorded / "mixed.yaml").write_text(yaml.safe_dump(mixed, sort_keys=False))

@@ -327,6 +327,48 @@ def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
     assert (tmp_path / "motions.html").stat().st_size > 100_000 and (tmp_path / "results").exists()
 
 
+@pytest.mark.slow
+def test_the_way_from_recordings_to_a_plan_can_be_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every command of the page, one after the other; what a command says goes into the experiment as the page says."""
+    monkeypatch.chdir(tmp_path)
+    experiment = Path("people.yaml")
+    ran, learnt = [], {"worker": "ann", "initial_belief": "rested", "hidden_worker": "learnt"}
+
+    def add(content: dict[str, Any]) -> None:
+        whole = yaml.safe_load(experiment.read_text())
+        for key, value in content.items():
+            whole[key] = whole.get(key, {}) | value
+        experiment.write_text(yaml.safe_dump(whole, sort_keys=False))
+
+    for snippet in snippets(ROOT / "docs" / "from-recordings.md"):
+        if snippet.file:
+            Path(snippet.file).write_text(snippet.text, encoding="utf-8")
+        for program, *words in commands_of(snippet) if snippet.language == "console" else ():
+            if program == "python":
+                with monkeypatch.context() as patch:
+                    patch.setattr("sys.argv", words)
+                    runpy.run_path(str(ROOT / words[0]), run_name="__main__")
+                continue
+            done = fatplan(*words, *(("--jobs", "1") if words[0] in {"simulate", "benchmark"} else ()))
+            assert done.returncode == 0, done.stdout + done.stderr
+            ran.append(" ".join(words[:2]))
+            if ran[-1] == "record import":
+                add(yaml.safe_load(done.stdout.splitlines()[-1]))
+            elif ran[-1] == "record recognise":
+                add(yaml.safe_load(Path("results/people/recognition/recognition.yaml").read_text()))
+            elif ran[-1] == "record learn":
+                found = yaml.safe_load(Path("learnt.yaml").read_text())
+                model = {"choice_model": "learnt"} if "choice_models" in found else {}
+                conditions = load_experiment(experiment).plain()["benchmark"]["conditions"]
+                assert set(conditions) == {"ann"}
+                whole = yaml.safe_load(experiment.read_text())
+                whole["benchmark"]["conditions"]["learnt"] = learnt | model
+                add(found | {"benchmark": whole["benchmark"]})
+    assert ran.count("record import") == 3 and ran[-1] == "report people.yaml"
+    page = Path("results/people/report.html").read_text()
+    assert "3 reactions were recorded, not simulated" in page
+
+
 # --- names -----------------------------------------------------------------------------------------------------------
 
 FOLDERS = ("fatigue_planner/", "tests/", "experiments/", "examples/", "perf/", "docs/")

@@ -40,6 +40,8 @@ from fatigue_planner.output.reports.station.pictures import Posture
 from fatigue_planner.output.reports.station.stored import StoredAssessment
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.robot.scan import Standpoint
+from fatigue_planner.robot.settings import RobotBase, RobotSettings
 from fatigue_planner.station.assessment import (
     BestPlaces,
     Change,
@@ -51,6 +53,9 @@ from fatigue_planner.station.assessment import (
     PlaceForWorker,
     PlaceSummary,
     ReachShare,
+    RobotFinding,
+    RobotMeeting,
+    RobotPlace,
     Rotation,
     Rule,
     Sensing,
@@ -62,8 +67,9 @@ from fatigue_planner.station.cycles import Course
 from fatigue_planner.station.limits import Breach, Limit
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.recommendation import best_of, excluded, places_for_workers, ranked, summaries
+from fatigue_planner.station.robot_reach import CANNOT_PRESENT, TOO_NEAR
 from fatigue_planner.station.schema import Place, Station
-from fatigue_planner.station.statements import assumptions_of, headline_of
+from fatigue_planner.station.statements import assumptions_of, headline_of, of_robot
 from fatigue_planner.station.tables import INDICATOR_COLUMNS, indicator_rows, plain, write
 from fatigue_planner.station.workers import facts_of
 
@@ -80,7 +86,27 @@ def line() -> Station:
     found = load_station(find_shipped(Path("car_line")))
     places = {name: each.model_copy(update={"map": "line"}) for name, each in found.places.items()}
     found = found.model_copy(update={"places": places})
-    return found.model_copy(update={"limits": (Limit(measure="upper_arm_elevation", above_deg=60, at_most_s=2),)})
+    limits = (Limit(measure="upper_arm_elevation", above_deg=60, at_most_s=2),)
+    robot = RobotSettings(arm="ur5e", base_m=RobotBase(x=1.1, y=-0.25, z=0.0))
+    return found.model_copy(update={"limits": limits, "robot": robot})
+
+
+def robot_of(station: Station) -> RobotFinding:
+    """One place too far, one too near, one presented."""
+    cannot, worker = "out of reach by 18 cm", next(iter(station.workers))
+    named: dict[str, str | float] = {"place": "overhead", "arm": "UR5e"}
+    near: dict[str, str | float] = {"distance_cm": 3, "part": "right forearm", "worker": worker, "limit_m": 0.05}
+    left_out = {"overhead": Phrase(CANNOT_PRESENT, named | {"reason": cannot}), "floor": Phrase(TOO_NEAR, named | near)}
+    met = {place: RobotMeeting(worker, "back", 0.03, "right forearm", 5.2) for place in ("door", "floor")}
+    why = {"overhead": cannot}
+    places = tuple(
+        RobotPlace(
+            "fit", place, why.get(place, ""), (0.0,) * 6, 31.0, "wrist_1", 0.08, met.get(place), left_out.get(place)
+        )
+        for place in KINDS
+    )
+    reached = {(1.1, 0): 2, (1.1, 0.5): 3, (0.9, 0): 2, (0.9, 0.5): 3}
+    return RobotFinding("UR5e", "", 5, places, tuple(Standpoint(*at, count) for at, count in reached.items()))
 
 
 def outcomes_of(station: Station) -> Iterator[Outcome]:
@@ -135,6 +161,7 @@ def assessment(reactions: tuple[Reaction, ...]) -> StationAssessment:
         assumptions=assumptions_of(station),
         station_digest="0123456789abcdef0123",
         version="0.0.0",
+        robot=robot_of(station),
     )
 
 
@@ -221,14 +248,16 @@ def test_the_page_is_complete(
     page, catalogue = pages[language]
     text, wording = words(Reader(page).text), Wording(catalogue, assessment.workers)
     said_first = (*assessment.headline, *planning(assessment), *assessment.assumptions)
-    for phrase in (*said_first, *assessment.best.excluded.values()):
+    for phrase in (*said_first, *of_robot(assessment.station, assessment.robot), *assessment.best.excluded.values()):
         assert words(wording.sentence(phrase)) in text
     for judgement in assessment.judged[0].judgements.values():
         for said in (judgement.title, judgement.edition, judgement.origin.words):
             assert words(catalogue.term(said)) in text
         assert words(wording.value(judgement)).removeprefix(wording.say("does not apply: {reason}", reason="")) in text
     cells = re.findall(r"<td[^>]*>(?:✕ )([^<]*)", page)
-    assert len(cells) == sum(not each.usable for each in assessment.outcomes)
+    assert assessment.robot is not None
+    left_out = [each for each in assessment.robot.places if each.left_out is not None]
+    assert len(cells) == sum(not each.usable for each in assessment.outcomes) + len(left_out)
     assert assessment.station_digest[:16] in text and assessment.version in text
 
 
@@ -448,6 +477,7 @@ SOURCES = [
     *sorted((PACKAGE / "ergonomics").rglob("*.py")),
     *sorted((PACKAGE / "station").glob("*.py")),
     *sorted((PACKAGE / "output" / "reports" / "station").glob("*.py")),
+    PACKAGE / "robot" / "reach.py",
     PACKAGE / "motion" / "plausibility.py",
 ]
 TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
@@ -503,7 +533,7 @@ def test_no_text_is_missing(
     assert not catalogue.missing
     keys = load_data(texts.TEXTS / f"{language}.yaml", texts.Texts).texts
     said = templates() | vocabulary()
-    for name in ("statements", "recommendation", "changes", "examine"):
+    for name in ("statements", "recommendation", "changes", "examine", "robot_reach"):
         said |= set(capitals(PACKAGE / "station" / f"{name}.py"))
     missing = []
     for text in said - {""}:
@@ -540,6 +570,20 @@ def test_translations_have_the_values_of_the_english(language: str) -> None:
 
 def fields_of(text: str) -> list[tuple[str, str]]:
     return sorted((name, spec or "") for _, name, spec, _ in string.Formatter().parse(text) if name is not None)
+
+
+@pytest.mark.parametrize(
+    "reason",
+    [
+        "out of reach by 18 cm", "out of reach by less than 1 cm", "the arm would touch its pedestal",
+        "the arm would touch itself or the ground", "the flange gets there, but cannot point where it should",
+        "3.5 kg to hold; it carries 3 kg",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("language", OTHERS)
+def test_what_stops_a_robot_is_translated(language: str, reason: str) -> None:
+    catalogue = catalogue_of(language)
+    assert catalogue.term(reason) != reason and not catalogue.missing
 
 
 @pytest.mark.parametrize("language", OTHERS)

@@ -375,7 +375,7 @@ def of_a_real(name: str, times_s: list[float]) -> Imported:
     given = Given(mass_kg=60.05)
     files = [real(f"squat_sit_plates/{name}{end}") for end in (".trc", "_grf.mot")]
     found = read_recording(*files, given=given)[1]
-    still = read_recording(real("squat_sit_plates/static1.trc"), given=given)[1]
+    still = read_recording(*(real(f"squat_sit_plates/static1{end}") for end in (".trc", "_grf.mot")), given=given)[1]
     (request, _) = reaction_requests(experiment)
     return import_recording(request.name, request.motion, found, still, times_s)
 

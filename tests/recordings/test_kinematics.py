@@ -1,6 +1,7 @@
 """From markers back to angles and torques: against what is known, since the motions are simulated or made."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -9,6 +10,9 @@ from numpy.typing import NDArray
 from recorded import HIP_HEIGHT_M, LABELS, figure, places, real
 
 from fatigue_planner.core.errors import RecordingError
+from fatigue_planner.experiment.build import worker_fatigue
+from fatigue_planner.experiment.schema import Experiment
+from fatigue_planner.fatigue.load import cycle_profile
 from fatigue_planner.human.joint_data import position_limits
 from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import Worker
@@ -17,6 +21,7 @@ from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.recordings import dynamics
 from fatigue_planner.recordings.check import read_recording
+from fatigue_planner.recordings.contacts import unmeasured_contacts
 from fatigue_planner.recordings.kinematics.calibration import Calibration, calibrate
 from fatigue_planner.recordings.kinematics.frame_fit import fit_frame, fit_problem
 from fatigue_planner.recordings.kinematics.markers import Markers, markers_of
@@ -145,39 +150,48 @@ def test_without_markers_on_a_body_there_is_no_posture() -> None:
 
 
 @pytest.mark.parametrize(
-    ("noise_m", "cutoff_hz", "angle_deg", "rms_nm", "worst_nm"),
-    [(0.0, 20.0, 0.01, 0.1, 0.3), (0.001, 6.0, 0.4, 0.4, 1.2), (0.003, 6.0, 1.1, 0.7, 1.6)],
+    ("noise_m", "angle_deg", "rms_nm", "worst_nm"),
+    [(0.0, 0.01, 0.1, 0.2), (0.001, 0.4, 0.4, 1.0), (0.003, 0.4, 0.5, 1.5)],
 )
 def test_simulated_reactions_come_back(
-    reactions: tuple[Reaction, ...], noise_m: float, cutoff_hz: float, angle_deg: float, rms_nm: float, worst_nm: float
+    paper: Experiment, reactions: tuple[Reaction, ...], noise_m: float, angle_deg: float, rms_nm: float, worst_nm: float
 ) -> None:
     """Simulated motion -> markers, with noise -> angles and torques above the pelvis, over the whole cycle.
 
-    Without noise there is no reason to cut off at 6 Hz, which dulls the changes of phase.
+    And what the cycle does to fatigue, from rest, as a share of the most that it does to any joint.
     """
     rng = np.random.default_rng(5)
     markers = four_on_each_body(rng)
+    above = [not any(leg in name for leg in ("hip", "knee", "ankle")) for name in DEGREES_OF_FREEDOM]
     for reaction in (reactions[0], reactions[-1]):
         worker = reaction.key.motion_request().worker
         tool_kg = reaction.key.motion_request().tool.mass_kg
         person = Measured(worker.height_m, worker.mass_kg, worker.sex, worker.human)
-        rate = 1 / reaction.motion.time_step_s
         shown = seen(person, markers, reaction.motion.configuration)
         shown = shown + noise_m * rng.standard_normal(shown.shape)
         stance = reaction.motion.configuration[0, 7:]
-        own = track(Calibration(person, markers, stance, 0.0), markers, shown, rate)
+        own = track(Calibration(person, markers, stance, 0.0), markers, shown, 1 / reaction.motion.time_step_s)
+        assert own.cutoff_hz is None  # no skin moves over bones
         model = person.model(right_hand_kg=tool_kg)
-        smooth = dynamics.movement(model, own.configuration, rate, cutoff_hz)
-        posture = own.configuration if noise_m == 0 else smooth.configuration
-        off = np.degrees(np.sqrt(((posture - reaction.motion.configuration)[:, 7:] ** 2).mean(axis=0)))
+        smooth = dynamics.movement(model, own.configuration, own.rate_hz, own.cutoff_hz)
+        off = np.degrees(np.sqrt(((smooth.configuration - reaction.motion.configuration)[:, 7:] ** 2).mean(axis=0)))
         assert off.max() < angle_deg
         found = dynamics.inverse_dynamics(model, smooth, ())
         want = reaction.motion.torque_nm + reaction.motion.tissue_nm
-        above = [
-            i for i, name in enumerate(DEGREES_OF_FREEDOM) if not any(leg in name for leg in ("hip", "knee", "ankle"))
-        ]
         wrong = np.sqrt(((found.torque_nm - want)[:, above] ** 2).mean(axis=0))
         assert np.sqrt((wrong**2).mean()) < rms_nm and wrong.max() < worst_nm
+        if noise_m == 0.003:
+            parameters = worker_fatigue(paper)[reaction.name.worker]
+            maps = [
+                np.array(cycle_profile(replace(reaction.motion, torque_nm=torque), parameters).maps(1.0, 1.0))
+                for torque in (found.torque_nm - reaction.motion.tissue_nm, reaction.motion.torque_nm)
+            ]
+            entries = np.concatenate([above, above])
+            share = abs(maps[0] - maps[1])[:, entries].max(axis=1) / [
+                (1 - maps[1][0][entries]).max(),
+                maps[1][1][entries].max(),
+            ]
+            assert share.max() < 0.02
 
 
 def test_without_plates_the_soles_carry_what_the_motion_needs(reactions: tuple[Reaction, ...]) -> None:
@@ -258,7 +272,9 @@ def of_a_real(name: str, static: str) -> tuple[Calibration, Track, Recording]:
     standing = track(calibration, calibration.markers, still.points_m[:, in_still], still.rate_hz)
     motion = dynamics.movement(calibration.person.model(), standing.configuration, still.rate_hz)
     ground = dynamics.ground_at(still.ground, still.ground_rate_hz, still.frames, still.rate_hz)
-    calibration = replace(calibration, person=dynamics.balanced(calibration.person, motion, ground))
+    balanced = dynamics.balanced(calibration.person, motion, ground)
+    assert -0.06 < balanced.trunk_forward_m < -0.02  # nobody's masses are straight above the hips
+    calibration = replace(calibration, person=balanced)
     return calibration, track(calibration, calibration.markers, targets, found.recording.rate_hz), found.recording
 
 
@@ -275,3 +291,43 @@ def test_real_squats() -> None:
     assert rms[2] < 13 and np.sqrt((rms**2).sum()) < 20
     assert np.sqrt((found.residual_moment_nm[inner] ** 2).mean(axis=0)) == pytest.approx([2, 15, 2], abs=1.5)
     assert (found.foot[:, 0] == 0).all() and (found.foot[:, 1] == 1).all()  # whatever the shipped XML says
+
+
+def test_real_chair() -> None:
+    """Somebody stands up from a chair that nobody measured, five times, and sits down again."""
+    calibration, own, recording = of_a_real("STS1", "static1")
+    model = calibration.person.model()
+    motion = dynamics.movement(model, own.configuration, own.rate_hz)
+    ground = dynamics.ground_at(recording.ground, recording.ground_rate_hz, recording.frames, recording.rate_hz)
+    found = dynamics.inverse_dynamics(model, motion, ground, calibration.markers.bodies)
+    contacts = unmeasured_contacts(model, motion, found)
+    assert len(contacts) == 6 and all(contact.force_n[2] > 400 for contact in contacts)
+    assert {contact.body for contact in contacts} == {"pelvis"}
+    sat = np.zeros(own.configuration.shape[0], dtype=bool)
+    for contact in contacts:
+        sat[round(contact.start_s * own.rate_hz) : round(contact.end_s * own.rate_hz) + 1] = True
+    up = own.configuration[:, 2] > own.configuration[:, 2].max() - 0.05
+    assert not (sat & up).any()
+    wrist = [i for i, name in enumerate(DEGREES_OF_FREEDOM) if "wrist" in name or "neck" in name or "head" in name]
+    assert np.isnan(found.torque_nm[:, wrist]).all() and np.isfinite(np.delete(found.torque_nm, wrist, axis=1)).all()
+
+
+def test_real_torques_beside_opensim() -> None:
+    """What perf/opensim/torques.py has stored; where the model's trunk is OpenSim's, straight, lumbar torques, too.
+
+    Knees are 8.8 N.m off (bar 8): in deep squats the hinge is 3 cm in front of OpenSim's, whose axis slides.
+    """
+    calibration, own, recording = of_a_real("squats1", "static1")
+    table = np.genfromtxt(Path(__file__).parent / "opensim_squats1.csv", delimiter=",", names=True)
+    ground = dynamics.ground_at(recording.ground, recording.ground_rate_hz, recording.frames, recording.rate_hz)
+    off = {}
+    for straight in (True, False):
+        person = replace(calibration.person, trunk_forward_m=0.0) if straight else calibration.person
+        motion = dynamics.movement(person.model(), own.configuration, own.rate_hz)
+        found = dynamics.inverse_dynamics(person.model(), motion, ground).torque_nm[::10][2:-2]
+        for name in table.dtype.names[1:]:
+            wrong = found[:, DEGREES_OF_FREEDOM.index(name)] - table[name][: len(found) + 2][2:]
+            off[name, straight] = float(np.sqrt((wrong**2).mean()))
+    for joint, most in (("hip", 2.0), ("knee", 9.0), ("ankle", 4.0)):
+        assert max(off[f"{side}_{joint}_flexion", False] for side in ("right", "left")) < most
+    assert off["lumbar_flexion", True] < 6 and off["lumbar_flexion", False] < 12

@@ -17,6 +17,7 @@ from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.human.capsules import capsules_of
 from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.skeleton import BODIES
+from fatigue_planner.output.reports.shift.card import Told, card
 from fatigue_planner.reactions.reaction import Reaction
 
 ON_THE_GROUND = {"arm": "ur5e", "base_m": {"x": 1.1, "y": -0.25, "z": 0.0}}
@@ -90,6 +91,14 @@ def test_the_command_says_what_is_reached_and_what_is_in_the_way(cache_folder: P
     assert [one["reason"] == "" for one in document["actions"]] == [False, True]
     missing = fatplan("reach", PAPER, "--cache", tmp_path / "empty", *place)
     assert missing.returncode == 0 and "is known only after `fatplan simulate" in missing.stderr
+
+
+def test_the_card_says_what_the_robot_never_does() -> None:
+    page = card(Told(with_robot(clearance_m=0.07), None, "greedy", None))
+    assert "does one of 1 action (low)" in page and "never does: high (out of reach by 18 cm)" in page
+    assert "nearer than 0.07 m" in page and "That is no safety distance" in page
+    without = card(Told(parse_experiment(dict(read_content(PAPER)), "paper"), None, "greedy", None))
+    assert "does one of 2 actions (high and low)" in without and "safety distance" not in without
 
 
 @pytest.mark.parametrize(

@@ -233,7 +233,7 @@ FAULTS = (
     *_in("reactions/reaction.py",
         ("a stored reaction is used whatever the accuracy asked for",
          "reactions/test_reactions.py::test_accuracy_decides_when_a_motion_is_read_and_nothing_is_simulated_again",
-         "faults = stored.quality.faults(self.accuracy)", "faults: list[str] = []"),
+         "faults = self.faults(stored.quality)", "faults: list[str] = []"),
     ),
     *_in("reactions/hdf5_layout.py",
         ("the checksum of a reaction's file is not checked",

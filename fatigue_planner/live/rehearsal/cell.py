@@ -10,7 +10,7 @@ from fatigue_planner.live.clients.connection import Answer, Connection
 from fatigue_planner.live.events import Input, Observed, Skipped
 from fatigue_planner.live.rehearsal.people import SimulatedWorker
 from fatigue_planner.live.rehearsal.server import Server
-from fatigue_planner.live.session import MIN_IDLE_S
+from fatigue_planner.live.standing import MIN_IDLE_S
 from fatigue_planner.pomdp.scenario import Scenario
 
 SETTLE_WAIT_S = 10.0

@@ -58,7 +58,8 @@ class MotionClip:
     `human` has empty hands, `bodies` what they hold in each of `runs`; `working` are the sides whose hands
     have a goal; `strength_nm` (T or 1, 78) that of `ENTRIES`; `objects` the poses at which the robot
     presents the object, one per hand and waypoint; `verdict` and `remarks` what `simulate` says of the motion;
-    `robot` the arm that presents it, if there is one that can.
+    `robot` the arm that presents it, if there is one that can;
+    `markers_m` (T, k, 3) those of a recording, NaN where unseen.
     """
 
     name: ReactionName
@@ -72,6 +73,7 @@ class MotionClip:
     verdict: Verdict
     remarks: tuple[str, ...] = ()
     robot: RobotShape | None = None
+    markers_m: Matrix | None = None
 
     @property
     def duration_s(self) -> float:

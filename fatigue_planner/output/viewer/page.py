@@ -19,6 +19,7 @@ from fatigue_planner.output.viewer.scene import (
     COLOUR_STEPS,
     FORCE,
     FULL_SHARE,
+    MARKER,
     METRES_PER_NEWTON,
     METRES_PER_NEWTON_ON_A_HAND,
     OBJECT,
@@ -37,13 +38,14 @@ MAX_PAGE_BYTES = 5_000_000  # a larger page keeps its motions in files beside it
 
 @dataclass(frozen=True)
 class Recording:
-    """A motion as viser plays it, base64; verdict: `ok`, `degraded` or `implausible`, and why; whether with a robot."""
+    """A motion as viser plays it, base64; verdict: as of its clip, and why; whether with a robot, or with markers."""
 
     name: ReactionName
     verdict: str
     remarks: Sequence[str]
     data: str
     robot: bool = False
+    has_markers: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,8 @@ def record(clip: MotionClip) -> Recording:
             scene.show(clip.tick(frame / FRAMES_PER_S))
             recording.insert_sleep(1 / FRAMES_PER_S)
         data = base64.b64encode(recording.serialize()).decode()
-    return Recording(clip.name, clip.verdict, clip.remarks, data, clip.robot is not None)
+    seen = clip.robot is not None, clip.markers_m is not None
+    return Recording(clip.name, clip.verdict, clip.remarks, data, *seen)
 
 
 def page(title: str, recordings: Sequence[Recording], failed: Sequence[str], folder: str) -> Page:
@@ -94,7 +97,7 @@ def page(title: str, recordings: Sequence[Recording], failed: Sequence[str], fol
     menu = _template("menu.html.j2").render(
         workers=[(worker, list(each)) for worker, each in groupby(recordings, lambda recording: recording.name.worker)],
         title=title, failed=failed, colours=_colours(), full=FULL_SHARE,
-        signs=_signs(any(recording.robot for recording in recordings)),
+        signs=_signs(any(one.robot for one in recordings), any(one.has_markers for one in recordings)),
     )  # fmt: skip
     html = head + chooser + end_of_head + body + menu + end_of_body + tail
     return Page(html, {name: f'window.__VISER_EMBED_DATA__="{data}";\n' for name, data in files.items()})
@@ -124,7 +127,7 @@ def _colours() -> str:
     return ",".join(_css(load_colour(FULL_SHARE * step / COLOUR_STEPS)) for step in range(COLOUR_STEPS + 1))
 
 
-def _signs(robot: bool) -> list[tuple[str, str]]:
+def _signs(robot: bool, markers: bool) -> list[tuple[str, str]]:
     """Colours (CSS) and what they stand for."""
     on_foot, on_hand = 100 * METRES_PER_NEWTON, 100 * METRES_PER_NEWTON_ON_A_HAND
     return [
@@ -133,6 +136,7 @@ def _signs(robot: bool) -> list[tuple[str, str]]:
         (_css(TOOL), "tool, or another mass in the hand"),
         (_css(OBJECT), "where the hands have to go"),
         *([(_css(ROBOT), "robot as capsules, what it stands on, and what it holds the object with")] if robot else []),
+        *([(_css(MARKER), "a marker of the recording")] if markers else []),
     ]
 
 

@@ -18,10 +18,11 @@ from fatigue_planner.output.viewer.motion_clip import Instant, MotionClip
 Vector = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
-BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE = (
-    (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60)
+BODY, TOOL, OBJECT, CENTRE, FORCE, SOLE, MARKER = (
+    (158, 168, 180), (0, 114, 178), (0, 158, 115), (204, 121, 167), (86, 180, 233), (60, 60, 60), (0, 0, 0)
 )  # fmt: skip
 ROBOT = (62, 84, 106)
+UNSEEN_M = (0.0, 0.0, -1.0)  # below the ground
 OPACITY = 0.4  # so that joints, centre of mass and forces are seen through the body
 METRES_PER_NEWTON = 1e-3  # of the forces on the feet, some hundred N
 METRES_PER_NEWTON_ON_A_HAND = 5e-3
@@ -83,6 +84,11 @@ class Scene:
         self._soles = scene.add_line_segments(
             "/soles", np.zeros((8, 2, 3)), SOLE, thickness=2.0, thickness_units="screen"
         )
+        self._markers = None
+        if clip.markers_m is not None:
+            self._markers = scene.add_point_cloud(
+                "/markers", np.zeros(clip.markers_m.shape[1:]), MARKER, point_size=0.016, point_shape="circle"
+            )
         self._label = scene.add_label(
             "/label", "", position=(0, 0, 1.04 * stature), font_screen_scale=1.5, anchor="bottom-center"
         )
@@ -105,6 +111,9 @@ class Scene:
             node.points = arrow[None]
             node.visible = bool((arrow[0] != arrow[1]).any())
         self._soles.points = sole_outlines(clip.human, instant)
+        if self._markers is not None and clip.markers_m is not None:
+            seen = np.isfinite(clip.markers_m[tick])
+            self._markers.points = _rounded(np.where(seen, clip.markers_m[tick], UNSEEN_M)).astype(np.float32)
         self._label.text = f"{clip.phase(tick)}, {tick * clip.motion.time_step_s:.1f} s"
 
 

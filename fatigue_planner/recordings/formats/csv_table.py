@@ -1,6 +1,5 @@
 """CSV: a table of markers (`LASI_x_mm`) or of angles (`elbow_flexion_deg`), with a column `time_s`."""
 
-import csv
 import re
 
 import numpy as np
@@ -8,7 +7,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
 from fatigue_planner.recordings.content import Angles, Content, Points
-from fatigue_planner.recordings.formats.text import lines_of, refuse, table
+from fatigue_planner.recordings.formats.text import cells_of, lines_of, refuse, table
 
 Vector = NDArray[np.float64]
 _POINT = re.compile(r"(.+)_([xyz])(?:_(mm|cm|m))?", re.IGNORECASE)
@@ -29,12 +28,7 @@ def read_csv(content: bytes) -> Content:
     if len(lines) < 2:
         raise RecordingError("has no rows.")
     mark = max(",;\t", key=lines[0].count)
-    try:
-        names, *rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark, strict=True)]
-    except csv.Error as error:
-        raise RecordingError(f"is not a table ({error}).") from error
-    if len(rows) != len(lines) - 1:
-        raise RecordingError("has cells of several lines.")
+    names, *rows = cells_of(lines, mark)
     if not names or names[0].lower() not in _TIMES:
         refuse(0, "the first column should be time_s.")
     if len(set(names)) < len(names) or not all(names):

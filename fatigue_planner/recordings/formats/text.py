@@ -1,5 +1,6 @@
 """Text files with tables of numbers: decoded, split into cells, and every number checked."""
 
+import csv
 import math
 import re
 from collections.abc import Sequence
@@ -26,6 +27,17 @@ def lines_of(content: bytes) -> list[str]:
     except UnicodeDecodeError:
         text = content.decode("latin-1")
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+
+
+def cells_of(lines: Sequence[str], mark: str = ",") -> list[list[str]]:
+    """The cells of every line of a CSV table, without blanks around them. Raises RecordingError."""
+    try:
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=mark, strict=True)]
+    except csv.Error as error:
+        raise RecordingError(f"is not a table ({error}).") from error
+    if len(rows) != len(lines):
+        raise RecordingError("has cells of several lines.")
+    return rows
 
 
 def refuse(line: int, problem: str) -> NoReturn:

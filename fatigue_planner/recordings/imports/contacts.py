@@ -26,6 +26,7 @@ UNMEASURED_SHARE = 0.1
 # Lags are looked for up to here, told from there on, and known where both forces are so alike (correlation; assumed).
 LONGEST_LAG_S, LEAST_LAG_S, ALIKE = 0.25, 0.01, 0.7
 LEAST_CHANGE_N = 0.1  # of the force (SD)
+TOLD_SHARE = 0.01  # of the time; what is rarer is not told
 
 
 def soles_m(person: Measured, configuration: Vector) -> Vector:
@@ -112,16 +113,16 @@ def plate_remarks(ground: Sequence[GroundForce], torques: Torques, on_ground: Fl
         if not loaded.any():
             continue
         feet = foot[loaded]
-        if (nowhere := float((feet < 0).mean())) > 0:
+        if (nowhere := float((feet < 0).mean())) >= TOLD_SHARE:
             remarks.append(
                 Remark(12, f"plate {number} is pressed where no foot is, {percent(nowhere, 0)} of the time; left out.")
             )
-        if {0, 1} <= set(feet.tolist()):
+        if min((feet == 0).mean(), (feet == 1).mean()) >= TOLD_SHARE:
             right = percent(float((feet == 0).sum() / (feet >= 0).sum()), 0)
             remarks.append(
                 Remark(12, f"plate {number} carries one foot, then the other (the right one {right} of the time).")
             )
-    if (both := float(on_one_plate(ground, on_ground).mean())) > 0:
+    if (both := float(on_one_plate(ground, on_ground).mean())) >= TOLD_SHARE:
         remarks.append(
             Remark(12, f"both feet are on one plate {percent(both, 0)} of the time; it counts for the nearer one.")
         )

@@ -1,7 +1,7 @@
 """`fatplan record import`: a recording of one reaction of an experiment, to be stored beside the simulated ones."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +147,17 @@ def _tracked(
     if still is not None and not np.isfinite(still).any():
         raise RecordingError("the static trial has none of the motion's markers.")
     calibration = calibrate(worker, markers, targets, still)
+    if static is not None and still is not None and static.recording.ground:
+        calibration = _balanced(calibration, static.recording, still)
     return calibration, track(calibration, calibration.markers, targets, recording.rate_hz)
+
+
+def _balanced(calibration: Calibration, static: Recording, still: Vector) -> Calibration:
+    """The calibration with the trunk's mass where the plates of the static trial, with empty hands, show it."""
+    stands = track(calibration, calibration.markers, still, static.rate_hz)
+    motion = dynamics.movement(calibration.person.model(), stands.configuration, static.rate_hz)
+    ground = dynamics.ground_at(static.ground, static.ground_rate_hz, static.frames, static.rate_hz)
+    return replace(calibration, person=dynamics.balanced(calibration.person, motion, ground))
 
 
 def _targets(recording: Recording, markers: Markers) -> Vector:
@@ -186,7 +196,9 @@ def _lengths(person: Measured) -> str:
     own = ", ".join(
         f"{name.replace('_', ' ')} {factor:.2f}" for name, factor in zip(SEGMENTS, person.factors, strict=True)
     )
-    return f"lengths as multiples of the stature's: {own}"
+    forward = person.trunk_forward_m
+    balanced = f"; the trunk's mass {100 * forward:+.1f} cm forward, by the static trial's plates" if forward else ""
+    return f"lengths as multiples of the stature's: {own}{balanced}"
 
 
 def _key(found: Interpreted, static: Interpreted | None, bounds: Bounds, plate_lag_s: float) -> str:

@@ -94,7 +94,7 @@ def fit_frame(problem: FitProblem, start: Vector, target_m: Vector) -> tuple[Vec
 
     From a start that is far away it goes by plain least squares first: to Cauchy's weights all markers would be astray.
     """
-    _, _, _, distance = _normal(problem, start, target_m, PLAIN_M)
+    _, _, _, distance = normal_equations(problem, start, target_m, PLAIN_M)
     configuration = start
     if np.nanmean(distance) > FAR_M:
         configuration, _ = _descend(problem, configuration, target_m, PLAIN_M)
@@ -106,7 +106,7 @@ def _descend(problem: FitProblem, start: Vector, target_m: Vector, robust_m: flo
     """Gauss and Newton's steps, damped where they lead upwards, until they are tiny."""
     configuration = start.copy()
     damping = 1e-12
-    cost, matrix, side, distance = _normal(problem, configuration, target_m, robust_m)
+    cost, matrix, side, distance = normal_equations(problem, configuration, target_m, robust_m)
     for _ in range(MAX_STEPS):
         damped = matrix.copy()
         for i in range(len(side)):
@@ -116,7 +116,7 @@ def _descend(problem: FitProblem, start: Vector, target_m: Vector, robust_m: flo
         if largest > STEP_RAD:
             step *= STEP_RAD / largest
         trial = _moved(configuration, step)
-        found = _normal(problem, trial, target_m, robust_m)
+        found = normal_equations(problem, trial, target_m, robust_m)
         if found[0] <= cost * (1 + 1e-12):
             configuration = trial
             cost, matrix, side, distance = found
@@ -149,7 +149,7 @@ def fit_frames(problem: FitProblem, start: Vector, targets_m: Vector) -> tuple[V
 
 
 @compiled
-def _normal(
+def normal_equations(
     problem: FitProblem, configuration: Vector, target_m: Vector, robust_m: float
 ) -> tuple[float, Vector, Vector, Vector]:
     """Half the weighted squares, Gauss and Newton's matrix (45, 45) and right-hand side (45,), the distances (k,) m.

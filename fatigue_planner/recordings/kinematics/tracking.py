@@ -14,9 +14,12 @@ from fatigue_planner.recordings.inference.gaps import BRIDGED_S
 from fatigue_planner.recordings.kinematics.calibration import Calibration, first_root
 from fatigue_planner.recordings.kinematics.frame_fit import fit_frames
 from fatigue_planner.recordings.kinematics.markers import Markers
+from fatigue_planner.recordings.kinematics.smoothing import moves_on_skin, smoothed
 
 Vector = NDArray[np.float64]
 
+# Zero-lag Butterworth filter of what is not noise, but skin that moves over bones; the field's cut-off (Winter 2009).
+SKIN_HZ = 6.0
 # Frames on both sides of a gap that a curve through it follows.
 AROUND = 3
 
@@ -26,7 +29,8 @@ class Track:
     """Postures over time: configurations (n, 46) as of a `Human`, and what distance is left of every marker.
 
     distance_m (n, k): NaN where a marker was not seen; unseen_s: for how long, at most, each body with markers had
-    none, after gaps were bridged.
+    none, after gaps were bridged; cutoff_hz: what the motion is still to be filtered with (see `dynamics.movement`):
+    None where markers are noisy only, as the postures are then the smoother's (see `kinematics.smoothing`).
     """
 
     rate_hz: float
@@ -35,6 +39,7 @@ class Track:
     distance_m: Vector
     bridged: int
     unseen_s: dict[str, float]
+    cutoff_hz: float | None = SKIN_HZ
 
     @property
     def rms_m(self) -> Vector:
@@ -54,7 +59,11 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
     """The postures of frames (n, k, 3) m of calibrated markers."""
     bridged, count = _bridged(points_m, rate_hz)
     start = np.concatenate([first_root(markers, bridged[_first(bridged)]), calibration.stance])
-    configuration, distance = fit_frames(calibration.problem(markers), start, bridged)
+    problem = calibration.problem(markers)
+    configuration, distance = fit_frames(problem, start, bridged)
+    skin = moves_on_skin(distance)
+    if not skin:
+        configuration = smoothed(problem, configuration, bridged)
     if not {"neck", "head"} & set(markers.bodies):
         configuration = _looking_ahead(calibration, configuration)
     distance[~np.isfinite(points_m).all(axis=2)] = np.nan
@@ -64,7 +73,7 @@ def track(calibration: Calibration, markers: Markers, points_m: Vector, rate_hz:
         for body in BODIES
         if body in markers.bodies
     }
-    return Track(rate_hz, configuration, markers.labels, distance, count, unseen)
+    return Track(rate_hz, configuration, markers.labels, distance, count, unseen, SKIN_HZ if skin else None)
 
 
 def _looking_ahead(calibration: Calibration, configuration: Vector) -> Vector:

@@ -1,6 +1,5 @@
 """Reading what was observed: cycles with their recognised reactions, and labelled repetitions."""
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,13 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
-from fatigue_planner.recordings.formats.text import lines_of
+from fatigue_planner.recordings.formats.text import cells_of, lines_of
 from fatigue_planner.recordings.learning.likelihood import UNSEEN, Numbers
 
 Vector = NDArray[np.float64]
 Array = NDArray[np.float64]
 
 MAX_CYCLES = 100_000
+# More repetitions in a row of the table are a mistake: nobody labels that many.
+MAX_COUNT = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -71,8 +72,10 @@ def read_labelled(
         u = _index(path, line, "preference", row["preference"], preferences)
         o = _index(path, line, "recognised", row["recognised"], observations)
         number = _number(path, line, "count", row["count"])
-        if number < 0 or number != round(number):
-            raise RecordingError(f"{path}, line {line}: count = {row['count']}: should be a whole number from 0.")
+        if not 0 <= number <= MAX_COUNT or number != round(number):
+            raise RecordingError(
+                f"{path}, line {line}: count = {row['count']}: should be a whole number from 0 to {MAX_COUNT}."
+            )
         counts[group, u, o] += number
     missing = [
         "/".join([actions[group]] * by_action + [preferences[u]]) for group, u in np.argwhere(counts.sum(axis=2) == 0)
@@ -85,17 +88,11 @@ def read_labelled(
 def _rows(path: Path, needed: Sequence[str], allowed: Sequence[str]) -> list[tuple[int, dict[str, str]]]:
     """The rows of a table by their line in the file."""
     try:
-        lines = lines_of(path.read_bytes())
+        table = cells_of(lines_of(path.read_bytes()))
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read ({error.strerror}).") from error
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
-    try:
-        table = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
-    except csv.Error as error:
-        raise RecordingError(f"{path}: is not a table ({error}).") from error
-    if len(table) != len(lines):
-        raise RecordingError(f"{path}: has cells of several lines.")
     names = table[0] if table else []
     if set(needed) - set(names) or set(names) - {*needed, *allowed} or len(set(names)) < len(names):
         raise RecordingError(

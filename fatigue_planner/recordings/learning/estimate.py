@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.recordings.learning.bias import Observed, step
 from fatigue_planner.recordings.learning.likelihood import (
     Choices,
     Confusion,
@@ -32,6 +33,8 @@ FLAT = 1e-3
 PRECISION = 5e-3
 # Starting points for beta, in utilities between reactions whose costs differ as usual.
 STARTS = (0.3, 2.0)
+# Scoring without bias ends where nothing moves by more, after so many steps at most; no number moves further in one.
+STILL, MAX_STEPS, FURTHEST = 1e-6, 200, 1.0
 # Which parameters each model has besides beta.
 MODELS: dict[str, tuple[bool, bool]] = {
     "boltzmann": (False, False), "offset": (True, False), "inertia": (True, True),
@@ -40,7 +43,10 @@ MODELS: dict[str, tuple[bool, bool]] = {
 
 @dataclass(frozen=True)
 class Interval:
-    """An estimate with its 95 % profile-likelihood interval; infinite where the data set no limit."""
+    """An estimate without first-order bias (`bias`), and the 95 % profile-likelihood interval.
+
+    Infinite where the data set no limit.
+    """
 
     estimate: float
     low: float
@@ -159,12 +165,45 @@ class Estimator:
             point,
         )
 
+    def without_bias(self, fit: Fit, model: str) -> Vector:
+        """The point of a model's fit without first-order bias; the fit's own where it is at a limit or none is found.
+
+        At a limit (beta 0 or endless, an offset or inertia endless) maximum likelihood has no such expansion.
+        """
+        most = np.array([self.most_beta] + [MOST_LOG_ODDS] * (self.leading - 1))
+        numbers = fit.point[: self.leading]
+        if math.isinf(fit.beta) or numbers[0] <= 0 or (np.abs(numbers) >= most).any():
+            return fit.point
+        has_offsets, has_inertia = MODELS[model]
+        held = set() if has_offsets else set(range(1, self.preferences))
+        held |= set() if has_inertia else {self.preferences}
+        outcomes = self.confusion.chances.shape[-1]
+        held |= set(range(self.leading + outcomes - 1, self.leading + self._logits.size, outcomes))
+        free = np.array([i for i in range(fit.point.size) if i not in held])
+        observed = Observed(self.relative, self.choices, self.confusion.chances, self.confusion.labelled)
+        point, before, share = fit.point.copy(), np.zeros(free.size), 1.0
+        for _ in range(MAX_STEPS):
+            _, score, found = self.at(point)
+            move = step(point, score, found, observed, free)
+            if move is None:
+                return fit.point
+            if move @ before < 0:  # it went too far
+                share /= 2
+            point[free] += share * move * min(1.0, FURTHEST / max(np.abs(move).max(), STILL))
+            if np.abs(move).max() < STILL:
+                inside = point[0] >= 0 and (np.abs(point[: self.leading]) < most).all()
+                return point if inside else fit.point
+            before = move
+        return fit.point
+
     def interval(self, fit: Fit, model: str, index: int) -> Interval:
-        """The 95 % profile-likelihood interval of a leading number: 0 is beta, then offsets, then inertia."""
+        """The estimate and interval of a leading number of a model's fit: 0 is beta, then offsets, then inertia."""
         lowest, highest = (0.0, self.most_beta) if index == 0 else (-MOST_LOG_ODDS, MOST_LOG_ODDS)
         ends = [self._end(fit, model, index, limit) for limit in (lowest, highest)]
         unit = self.scale if index == 0 else 1.0
-        estimate = fit.beta if index == 0 else float(fit.point[index])
+        estimate = float(self.without_bias(fit, model)[index]) / unit
+        if index == 0 and math.isinf(fit.beta):
+            estimate = math.inf
         if index != 0 and abs(estimate) >= MOST_LOG_ODDS:
             estimate = math.copysign(math.inf, estimate)
         low, high = ends[0] / unit, ends[1] / unit

@@ -59,13 +59,14 @@ class Choices:
 
 @dataclass(frozen=True)
 class Smoothed:
-    """log_likelihood; chances (n, U): of every reaction, given all that was seen.
+    """log_likelihood; chances, filtered (n, U): of every reaction, given all that was seen, or seen up to then.
 
     residual (n, U), stay: by how much likelier reactions, and repetitions, were than the model has them.
     """
 
     log_likelihood: float
     chances: Array
+    filtered: Array
     residual: Array
     stay: float
 
@@ -74,19 +75,25 @@ def smoothed(utility: Array, inertia: float, choices: Choices, confusion: Array)
     """The reactions given what was seen, with utilities (n, U) without inertia and P(o | u) (G, U, O)."""
     seen = confusion[choices.group, :, np.maximum(choices.seen, 0)]
     evidence = np.where((choices.seen == UNSEEN)[:, None], 1.0, seen)
-    chances, residual = np.empty_like(utility), np.empty_like(utility)
-    log_likelihood, stay = smooth(utility, inertia, evidence, choices.begins, chances, residual)
-    return Smoothed(log_likelihood, chances, residual, stay)
+    chances, forward, residual = np.empty_like(utility), np.empty_like(utility), np.empty_like(utility)
+    log_likelihood, stay = smooth(utility, inertia, evidence, choices.begins, chances, forward, residual)
+    return Smoothed(log_likelihood, chances, forward, residual, stay)
 
 
 @compiled
 def smooth(  # noqa: PLR0912 - loops over cycles and preferences
-    utility: Array, inertia: float, evidence: Array, begins: NDArray[np.bool_], chances: Array, residual: Array
+    utility: Array,
+    inertia: float,
+    evidence: Array,
+    begins: NDArray[np.bool_],
+    chances: Array,
+    forward: Array,
+    residual: Array,
 ) -> tuple[float, float]:
-    """Forwards, then backwards, through the cycles; fills `chances` and `residual`. See `Smoothed`."""
+    """Forwards, then backwards, through the cycles; fills `chances`, `forward` and `residual`. See `Smoothed`."""
     count, size = utility.shape
     after = np.empty((count, size, size))  # P(u | v)
-    forward, ahead, before = np.empty((count, size)), np.ones(size), np.empty(size)
+    ahead, before = np.ones(size), np.empty(size)
     total = 0.0
     for t in range(count):
         for v in range(size):

@@ -21,7 +21,6 @@ from fatigue_planner.live.events import Observed, Recovered, Resumed
 from fatigue_planner.live.journal_file import pseudonyms, read_journal
 from fatigue_planner.live.recovery import recover
 
-SESSION = "fatigue_planner.live.session:Session"
 SEEN = ["arm", "back", None, "arm", "arm"]
 # `FATPLAN_KILLS=1000 pytest -m '' tests/live/scenarios/test_losses.py -k 14` is the whole of it.
 KILLS = int(os.environ.get("FATPLAN_KILLS", "40"))
@@ -39,7 +38,7 @@ def test_14_it_is_killed_at_any_moment(world: World) -> None:
 
 
 @pytest.mark.slow
-@fails_with(f"{SESSION}._now", "max(ago_s, 0.0)", "0.0")
+@fails_with("fatigue_planner.live.replay:time_of", "max(ago_s, 0.0)", "0.0")
 def test_15_the_power_fails(world: World) -> None:
     """Whatever is left of the log, a prefix of the shift is; the time since then was rest, by the time of day."""
     copy = world.folder / "cut"

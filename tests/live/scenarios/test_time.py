@@ -17,7 +17,9 @@ SESSION = "fatigue_planner.live.session:Session"
 SEEN = ["arm", "back", None, "arm"]
 
 
-@fails_with("fatigue_planner.live.session:Session._idle", "self._clock.seconds()", "self._clock.utc().timestamp()")
+@fails_with(
+    "fatigue_planner.live.session:Session._after_rest", "self._clock.seconds()", "self._clock.utc().timestamp()"
+)
 def test_03_the_time_of_day_is_set(world: World) -> None:
     """An hour back and on: nothing lasts longer or shorter; the journal says by how much it was set."""
     with world.open("undisturbed", clock := FakeClock()) as session:

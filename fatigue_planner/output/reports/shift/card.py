@@ -3,10 +3,12 @@
 It names the laws that the documentation names, and asserts nothing about them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fatigue_planner.core.provenance import versions
 from fatigue_planner.core.text import counted, format_label, listing
+from fatigue_planner.experiment.robot_cell import RobotCell
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.output.reports.page import Points, Section, Table, Text, page
 from fatigue_planner.output.reports.shift.group import FEWEST
@@ -42,21 +44,35 @@ def card(told: Told) -> str:
         f"For the works council and for those who work in the task {experiment.name}"
         f"{f', {format_label(told.condition)}' if told.condition else ''}. Written by fatplan {versions()['fatplan']}."
     )
-    actions, reactions = (listing(list(names)) for names in (experiment.actions, experiment.preferences))
+    cell = None if experiment.robot is None else RobotCell(experiment)
+    stopped = {action: cell.stopped(action) if cell else "" for action in experiment.actions}
+    actions = [action for action, reason in stopped.items() if not reason]
+    reactions = listing(list(experiment.preferences))
     purpose = (
-        f"Cycle by cycle the robot does one of {counted(len(experiment.actions), 'action')} ({actions}). Which one, is "
+        f"Cycle by cycle the robot does one of {counted(len(actions), 'action')} ({listing(actions)}). Which one, is "
         "decided so that the estimated fatigue of the worker's muscles stays low. Nothing else is it for."
     )
     return page(
         "Card: a robot that minds fatigue",
         subtitle,
-        [Text(purpose)],
+        [Text(purpose), *([] if cell is None else [Text(_left_out(cell, stopped))])],
         [
             Section("What is processed, how long, and who sees it", [_data(told, reactions)]),
             Section("What a worker can do", [Points(_rights())]),
             Section("What it is not, and laws to look at", [Points(_is_not()), Text(LAWS)]),
             Section("To be filled in by the employer", [_blanks(told)]),
         ],
+    )
+
+
+def _left_out(cell: RobotCell, stopped: Mapping[str, str]) -> str:
+    """Which actions the robot never does, and why."""
+    named = [f"{action} ({reason})" for action, reason in stopped.items() if reason]
+    limit_m = cell.cell.settings.clearance_m
+    never = f"It cannot present, and so never does: {listing(named)}. " if named else ""
+    return (
+        f"{never}An action in which its arm would come nearer than {limit_m:g} m to the worker, by the simulation, is "
+        "left out for this worker. That is no safety distance."
     )
 
 

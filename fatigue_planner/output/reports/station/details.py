@@ -8,6 +8,7 @@ from fatigue_planner.output.reports.station import filled_in, front, judgements
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Part, PostureRow, table
 from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
+from fatigue_planner.output.reports.station.robot import robot_blocks
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.station import statements
 from fatigue_planner.station.assessment import Doing, Outcome, StationAssessment
@@ -25,6 +26,8 @@ def details(assessment: StationAssessment, postures: Mapping[Doing, Posture], wo
     yield Part(say("Indicators by place"), list(judgements.by_place(assessment, wording)))
     yield Part(say("Methods and how far they were checked"), [judgements.methods(assessment, wording)])
     yield Part(say("Who of the population can"), [_population(assessment, wording)])
+    if assessment.robot is not None:
+        yield Part(say("The robot"), list(robot_blocks(assessment, assessment.robot, wording)))
     if changes := list(_changes(assessment, wording)):
         yield Part(say("Changes and rotation"), changes)
     if postures:

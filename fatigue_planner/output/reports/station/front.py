@@ -114,6 +114,8 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
         (wording.say("What to do"), todo),
         (wording.say("Worst joint and score"), [*tired, *_worst_score(assessment, wording)]),
     ]
+    if robot := list(map(wording.sentence, statements.of_robot(assessment.station, assessment.robot))):
+        groups.append((wording.say("Robot"), robot))
     return [Group(title, _at_most(items, wording)) for title, items in groups]
 
 

@@ -1,4 +1,4 @@
-"""Pictures of postures as small SVG: the worker from the right, the place of the hand, and a scale."""
+"""Pictures of postures as small SVG: the worker from the right, the place of the hand, the robot, and a scale."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,16 @@ from fatigue_planner.output.figures.postures import CAPSULES, SIDE, landmarks
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.reaction import Reaction
+from fatigue_planner.robot.shape import RobotShape
 from fatigue_planner.station.assessment import Doing, Judged, StationAssessment
 from fatigue_planner.station.judging import stated
 from fatigue_planner.station.outcomes import Task, tasks_of
+from fatigue_planner.station.robot_reach import StationRobot
 
 Vector = NDArray[np.float64]
 
 _BODY, _WORKING, _FAR = "#c3ccd5", "#5b7083", "#dfe4e9"
-_PLACE = "#0b5394"
+_PLACE, _ROBOT = "#0b5394", "#8b7a63"
 # A letter of the scale is so high, in cm of the picture; a picture 150 cm wide is 160 px wide on a phone.
 _LETTER_CM = 11
 _HEAD = 0.06
@@ -31,7 +33,7 @@ _HEAD = 0.06
 
 @dataclass(frozen=True)
 class Posture:
-    """A posture of a motion: who does what, at which instant, and what is seen of the whole motion."""
+    """A posture of a motion: who does what, at which instant, what is seen of the whole motion, and of the robot."""
 
     judged: Judged
     reaction: Reaction
@@ -40,6 +42,7 @@ class Posture:
     tick: int
     time_s: float
     seen: PostureCourse
+    robot: RobotShape | None = None
 
     @property
     def angles_deg(self) -> tuple[float, float]:
@@ -66,14 +69,18 @@ def postures_of(
     judged = {each.doing: each for each in assessment.judged}
     tasks = [task for task in tasks_of(assessment.station) if task.doing in set(doings)]
     stored = cache.stream([task.request for task in tasks], command)
+    station = assessment.station
+    robot = None if station.robot is None else StationRobot(station, station.robot)
     return {
-        task.doing: _posture(assessment, task, reaction, judged[task.doing])
+        task.doing: _posture(assessment, task, reaction, judged[task.doing], robot)
         for task, reaction in zip(tasks, stored, strict=True)
         if isinstance(reaction, Reaction)
     }
 
 
-def _posture(assessment: StationAssessment, task: Task, reaction: Reaction, judged: Judged) -> Posture:
+def _posture(
+    assessment: StationAssessment, task: Task, reaction: Reaction, judged: Judged, robot: StationRobot | None
+) -> Posture:
     motion = reaction.motion
     moment = worst_moment(judged)
     tick = (
@@ -90,6 +97,7 @@ def _posture(assessment: StationAssessment, task: Task, reaction: Reaction, judg
         tick,
         tick * motion.time_step_s,
         seen,
+        None if robot is None else robot.shape(task),
     )
 
 
@@ -113,8 +121,11 @@ def drawing(posture: Posture, words: str) -> Markup:
     worker = posture.reaction.key.motion_request().worker
     human = build_human(worker)
     points = landmarks(human, posture.reaction.motion.configuration[posture.tick])
-    parts = _body(human, points, posture.hands)
-    flat = np.array([_flat(point) for point in (*points.values(), *posture.target_m)])
+    parts = [*_robot(posture.robot), *_body(human, points, posture.hands)]
+    drawn = [*points.values(), *posture.target_m]
+    if posture.robot is not None:
+        drawn += list(posture.robot.parts(0)[0].reshape(-1, 3))
+    flat = np.array([_flat(point) for point in drawn])
     left, right = min(flat[:, 0].min() - 22, -75.0), max(flat[:, 0].max() + 18, 75.0)
     top = min(flat[:, 1].min() - 16, -205.0)
     scale = "".join(
@@ -135,6 +146,20 @@ def drawing(posture: Posture, words: str) -> Markup:
 def _flat(point: Vector) -> tuple[float, float]:
     """A point of the world in the picture, in cm, y downwards."""
     return 100 * float(point @ SIDE.across), -100 * float(point[2])
+
+
+def _robot(robot: RobotShape | None) -> list[str]:
+    """The robot as lines with round ends, behind the body, far ones first."""
+    if robot is None:
+        return []
+    ends, radii = robot.parts(0)
+    drawn = []
+    for i in np.argsort(ends.sum(axis=1) @ SIDE.towards):
+        (x, y), (to_x, to_y) = map(_flat, ends[i])
+        path = f'd="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y + 0.01:.2f}" stroke-linecap="round"'
+        drawn.append(f'<path {path} stroke="#fff" stroke-width="{200 * radii[i] + 1.6:.1f}"/>')
+        drawn.append(f'<path {path} stroke="{_ROBOT}" stroke-width="{200 * radii[i]:.1f}"/>')
+    return drawn
 
 
 def _body(human: Human, points: dict[str, Vector], working: Sequence[str]) -> list[str]:

@@ -17,7 +17,8 @@ from fatigue_planner.station.workers import WorkerFacts
 SIGNS = {Level.ACCEPTABLE: "●", Level.INVESTIGATE: "▲", Level.NOT_ACCEPTABLE: "■"}
 NO_LEVEL = "○"
 _CLASSES = {sign: level.name.lower() for level, sign in SIGNS.items()} | {NO_LEVEL: "none"}
-# Values of sentences that are names of the file: of workers, and of anything else.
+# Values of sentences that are names of the file: of workers, and of anything else; and names that are as they are.
+_AS_THEY_ARE = ("arm",)
 _WORKERS, _NAMES = ("worker", "workers"), ("place", "operation", "others", "tool", "sequence")
 
 
@@ -132,6 +133,8 @@ class Wording:
             return ", ".join(self._labels.get(each, each) for each in value.split(", "))
         if name in _NAMES:
             return format_label(value)
+        if name in _AS_THEY_ARE:
+            return value
         return self.catalogue.term(format_label(value) if name == "joint" else value)
 
     def _labelled(self, workers: Sequence[WorkerFacts]) -> Mapping[str, str]:

@@ -1,0 +1,1 @@
+"""What one looks at before believing the torques of a recording."""
