@@ -18,6 +18,7 @@ from fatigue_planner.cli.init import init
 from fatigue_planner.cli.reach import reach
 from fatigue_planner.cli.recognise import recognise
 from fatigue_planner.cli.report import report
+from fatigue_planner.cli.rotate import rotate
 from fatigue_planner.cli.schedule import schedule
 from fatigue_planner.cli.sensitivity import sensitivity
 from fatigue_planner.cli.simulate import simulate
@@ -35,8 +36,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 COMMANDS = (
-    init, assess, simulate, benchmark, reach, schedule, claims, report, compare, sensitivity, view, validate, schema,
-    doctor,
+    init, assess, rotate, simulate, benchmark, reach, schedule, claims, report, compare, sensitivity, view, validate,
+    schema, doctor,
 )  # fmt: skip
 for command in COMMANDS:
     app.command(epilog=options.EXIT_CODES)(command)

@@ -41,7 +41,7 @@ def load_station(path: Path) -> Station:
     if not (isinstance(content, dict) and isinstance(content.get("actions"), dict)):
         content = mapping_of_kind(path, content, FileKind.STATION, ExperimentError)
     station = parse_station(content, str(path))
-    if faults := list(_faults(station)):
+    if faults := list(station_faults(station)):
         raise ExperimentError(joined_errors(str(path), faults))
     return station
 
@@ -76,7 +76,7 @@ def _as_a_station(actions: Any) -> str:
     return AS_A_STATION.format(place=place, names=", ".join(places or [place]), **axes)
 
 
-def _faults(station: Station) -> Iterator[str]:
+def station_faults(station: Station) -> Iterator[str]:
     """What the types of the schema cannot say."""
     for name in station.workers:
         try:

@@ -42,6 +42,7 @@ from fatigue_planner.motion.verification import measure
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.recordings.imports.subject import load_subject
 from fatigue_planner.recordings.mapping import load_mapping
+from fatigue_planner.station.line.loader import load_line
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.study.claims.loader import load_claims
 
@@ -200,6 +201,10 @@ def understand(snippet: Snippet, path: Path) -> None:
     elif "landmarks" in content:
         path.write_text(text, encoding="utf-8")
         load_mapping(str(path))
+    elif "crew" in content:
+        stations = {name: {**said, "file": "car_line"} for name, said in content["stations"].items()}
+        path.write_text(yaml.safe_dump({**content, "stations": stations}))
+        load_line(path)
     elif "operations" in content:
         path.write_text(text, encoding="utf-8")
         load_station(path)

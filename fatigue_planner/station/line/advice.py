@@ -47,20 +47,25 @@ class LineLoad:
 
     def burden(self, worker: int) -> "_Burden":
         """The burden of a worker."""
+        return _Burden(self, self.known(worker))
+
+    def known(self, worker: int) -> list[Demand]:
+        """What each station asks; where the worker may not work, anything, as it is never counted. Empty: nowhere."""
         own = self.demands[worker]
-        known = next((demand for demand in own if demand is not None), None)
-        return _Burden(self, [demand or known for demand in own] if known else [])
+        any_ = next((demand for demand in own if demand is not None), None)
+        return [] if any_ is None else [demand or any_ for demand in own]
 
 
 @dataclass(frozen=True)
 class _Burden:
     line: LineLoad
-    demands: Sequence[Demand | None]
+    demands: Sequence[Demand]
 
     def __call__(self, counts: Counts) -> Vector:
         """The largest ratio of any region; a station that is not allowed has no slot in any of the counts."""
-        known = [demand for demand in self.demands if demand is not None]
-        return largest(MEASURES[self.line.measure](counts, known, self.line.slot_s)) if known else np.zeros(len(counts))
+        if not self.demands:
+            return np.zeros(len(counts))
+        return largest(MEASURES[self.line.measure](counts, self.demands, self.line.slot_s))
 
 
 def _eased(demand: Demand | None) -> Demand | None:
