@@ -25,10 +25,14 @@ OUTPUT = {
     "beside_a_robot": "cycle 6: ",
     "hidden_worker": "knows the truth",
 }
+# Run with arguments by the pages that show them.
+SHOWN = {"simulated_recording": "docs/from-recordings.md"}
 
 
 def test_every_example_is_tested() -> None:
-    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(OUTPUT)
+    assert {path.stem for path in EXAMPLES.glob("*.py")} == set(OUTPUT) | set(SHOWN)
+    for name, page in SHOWN.items():
+        assert f"$ python examples/{name}.py " in (ROOT / page).read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -42,7 +42,7 @@ def test_a_request_is_checked_field_by_field() -> None:
         parse(CALLS["rest"], b"")
     with pytest.raises(EvidenceError, match="body: "):
         parse(CALLS["rest"], b"[" * 50_000)
-    assert parse(CALLS["rest"], b'{"seconds": 3}').plain() == {"seconds": 3.0}
+    assert parse(CALLS["rest"], b'{"seconds": 3}').plain() == {"seconds": 3.0, "key": None}
 
 
 def test_the_description_is_complete() -> None:
