@@ -48,23 +48,30 @@ def rotate(
     document = _document(found)
     files = [folder / "rotation.json", folder / "rota.csv"]
     publish_text(files[0], options.json_text(document) + "\n")
-    publish_csv(files[1], pd.DataFrame(document["rota"], columns=["worker", "slot", "station"]))
+    publish_csv(files[1], pd.DataFrame(document["rota"], columns=["worker", "slot", "from_min", "to_min", "station"]))
     text = "\n".join([*_text(found), "", f"{folder}: {', '.join(file.name for file in files)}"])
     options.present(document | {"files": files}, text, as_json)
 
 
 def _document(found: "CrewRotation") -> dict[str, Any]:
+    from fatigue_planner.station.line import statements
+
     line, advice = found.line.line, found.advice
     stations = list(line.stations)
-    document: dict[str, Any] = {"line": line.plain(), "cannot": found.cannot, "rota": [], "advice": None}
+    document: dict[str, Any] = {
+        "line": line.plain(), "cannot": {worker: _reasons(found, worker) for worker in line.crew},
+        "not_acceptable": list(map(str, statements.of_posts(found))), "rota": [], "advice": None,
+    }  # fmt: skip
     if advice is None:
         return document
     best = advice.best
+    times = [(spans[0][0], spans[-1][1]) for spans in line.slot_times()]
     document["rota"] = [
-        {"worker": worker, "slot": slot + 1, "station": found.place(number, slot)}
+        {"worker": worker, "slot": slot + 1, "from_min": times[slot][0], "to_min": times[slot][1],
+         "station": found.place(number, slot)}
         for number, worker in enumerate(line.crew)
         for slot in range(line.slots)
-    ]
+    ]  # fmt: skip
     document["advice"] = {
         "largest": best.largest, "largest_bound": best.burden_bound, "fairness": best.fairness,
         "fairness_bound": best.fairness_bound, "changes": best.changes, "changes_bound": best.changes_bound,
@@ -73,46 +80,39 @@ def _document(found: "CrewRotation") -> dict[str, Any]:
         "redesign": None if advice.redesign is None else stations[advice.redesign[0]],
         "largest_after_redesign": None if advice.redesign is None else advice.redesign[1],
         "ratios": found.ratios, "without_pause": found.pauses,
+        "lifting": {worker: each._asdict() for worker, each in found.lifting.items()},
     }  # fmt: skip
     return document
 
 
+def _reasons(found: "CrewRotation", worker: str) -> dict[str, list[str]]:
+    from fatigue_planner.station.line.statements import STATED_NOT
+
+    return {
+        station: list(map(str, found.posts[worker][station].why_not)) or [STATED_NOT]
+        for station in found.cannot[worker]
+    }
+
+
 def _text(found: "CrewRotation") -> list[str]:
-    line, advice = found.line.line, found.advice
-    stations = list(line.stations)
+    from fatigue_planner.ergonomics.result import Phrase
+    from fatigue_planner.station.line import statements
+
+    line = found.line.line
     lines = [f"{line.name}: {line.slots} slots of {line.slot_s / 60:.0f} min of work; measure: {line.measure}"]
     lines += [
-        f"  {worker} cannot or may not work at {', '.join(where)}." for worker, where in found.cannot.items() if where
+        f"  {worker} does not work at {station}: {'; '.join(reasons)}."
+        for worker in line.crew
+        for station, reasons in _reasons(found, worker).items()
     ]
-    if advice is None:
-        return [*lines, "  The stations cannot be manned all the time by those who can work at them."]
-    best = advice.best
-    shown = [[worker, *(found.place(number, slot) or FREE_WORD for slot in range(line.slots))]
-             for number, worker in enumerate(line.crew)]  # fmt: skip
-    widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
-    lines += [
-        "  " + "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip() for row in shown
-    ]
-    lines += [f"  Largest load over acceptable load of a worker: {best.largest:.2f}, with {best.changes} changes."]
-    if not best.exact:
+    if found.advice is not None:
+        shown = [[worker, *(found.place(number, slot) or FREE_WORD for slot in range(line.slots))]
+                 for number, worker in enumerate(line.crew)]  # fmt: skip
+        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
         lines += [
-            f"  Not proven to be the least; nothing is below {best.burden_bound:.2f} and {best.changes_bound} changes."
+            "  " + "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
+            for row in shown
         ]
-    if advice.staying is not None:
-        lines += [f"  If everybody stays where that is best: {advice.staying:.2f}."]
-    usual = "sends somebody where he or she cannot work" if advice.usual is None else f"{advice.usual:.2f}"
-    lines += [f"  Every hour to the next station: {usual}."]
-    if not advice.helps:
-        where = [stations[number] for number in advice.too_much]
-        if not where and advice.redesign is not None:
-            where = [stations[advice.redesign[0]]]
-        lines += ["  Rotation does not help" + (f"; redesign {', '.join(where)}." if where else ".")]
-    elif advice.redesign is not None:
-        lines += [
-            f"  More than is acceptable; without the load of {stations[advice.redesign[0]]}: {advice.redesign[1]:.2f}."
-        ]
-    lines += [
-        f"  Without the pause at {pause.at_min:g} min, worked through: {100 * worth:+.0f} %."
-        for pause, worth in zip(line.shift.breaks, found.pauses, strict=True)
-    ]
-    return [*lines, "  These measures remember hours; the fatigue laws of Ma and 3CC-r forget within minutes."]
+    said = [*statements.of_gain(found), *statements.of_redesign(found), *statements.of_posts(found)]
+    said += [*statements.of_shift(found), Phrase(statements.REMEMBER)]
+    return [*lines, *(f"  {phrase}." for phrase in said)]

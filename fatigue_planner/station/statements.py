@@ -139,7 +139,7 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
     for each in summaries:
         if each.level != Level.NOT_ACCEPTABLE:
             continue
-        named: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.by)}
+        named: Values = {"operation": each.operation, "place": each.place, "rules": rules_named(each.by)}
         if longest := max((rule.not_acceptable_s or 0.0 for rule in each.by), default=0.0):
             times = {"seconds": longest, "cycle_s": station.cycle.duration_s}
             yield Phrase(NOT_ACCEPTABLE, named | times)
@@ -147,7 +147,7 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
             yield Phrase(NOT_ACCEPTABLE_AT_ALL, named)
 
 
-def _rules(rules: Sequence[Rule]) -> str:
+def rules_named(rules: Sequence[Rule]) -> str:
     """The rules, that with the most seconds first: the part of the body that each finds worst, and its seconds."""
     ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
     inside = [[rule.part, f"{rule.not_acceptable_s:.0f} s" if rule.not_acceptable_s else ""] for rule in ordered]
@@ -176,7 +176,7 @@ def _best(station: Station, summaries: Sequence[PlaceSummary], best: BestPlaces)
         yield Phrase(BEST_ONLY, {"peak": best.peak})
     for each in summaries:
         if each.place == best.places[each.operation] and each.warned_by:
-            values: Values = {"operation": each.operation, "place": each.place, "rules": _rules(each.warned_by)}
+            values: Values = {"operation": each.operation, "place": each.place, "rules": rules_named(each.warned_by)}
             yield Phrase(WARNED, values)
     yield from _compared(summaries, best.places)
 

@@ -24,6 +24,8 @@ from fatigue_planner.human.skeleton import SIDES
 
 # The index up to which lifting is for nearly all, and above which it is a risk for nearly all.
 GOAL, MOST = 1.0, 3.0
+# What is done to a load that the equation is about.
+LIFTED = ("lift", "lower")
 # Hands that are faster lift at high speed, in m/s (30 inches per second).
 HIGH_SPEED_MPS = 0.762
 # The shortest and the longest way of a load up or down that the equation knows, in m.
@@ -43,7 +45,7 @@ class NioshLifting(Indicator):
 
     def assess(self, job: Job) -> Assessment:
         """See Indicator.assess."""
-        lifting = [operation for operation in job.operations if operation.stated.handling in ("lift", "lower")]
+        lifting = [operation for operation in job.operations if operation.stated.handling in LIFTED]
         reason = self._refusal(job, lifting)
         if reason is not None:
             return self.does_not_apply(reason)

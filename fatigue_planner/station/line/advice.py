@@ -120,9 +120,13 @@ def advise(line: LineLoad) -> Advice | None:
 
 
 def usual_places(workers: int, stations: int, slots: int, slot_s: float) -> Counts:
-    """Every hour of work to the next station, (workers, slots); after the last one free, as far as workers are more."""
-    hour = np.floor(np.arange(slots) * slot_s / HOUR_S + TOLERANCE).astype(np.int64)
-    place = (np.arange(workers)[:, None] + hour) % workers
+    """Every hour of work to the next station, (workers, slots); after the last one free, as far as workers are more.
+
+    Who goes on does so at the end of the slot that is nearest to the hour; of longer slots, at the end of each.
+    """
+    hour = np.ceil(np.arange(slots) * slot_s / HOUR_S - 0.5 - TOLERANCE)
+    moves = np.cumsum(np.diff(hour, prepend=0) > 0)
+    place = (np.arange(workers)[:, None] + moves) % workers
     return np.where(place < stations, place, FREE)
 
 

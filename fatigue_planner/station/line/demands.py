@@ -11,6 +11,7 @@ from fatigue_planner.ergonomics.held_posture import working
 from fatigue_planner.ergonomics.indicators.acceptable_effort import LEAST_SHARE
 from fatigue_planner.ergonomics.indicators.duet import dose_per_cycle
 from fatigue_planner.ergonomics.indicators.holding_time import entry_shares
+from fatigue_planner.ergonomics.indicators.niosh_lifting import LIFTED
 from fatigue_planner.ergonomics.operation import Job, Operation
 from fatigue_planner.ergonomics.strain_equation import Effort
 from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS
@@ -34,12 +35,14 @@ class Demand:
     efforts  by side, the efforts of the hand as the strain index counts them
     dose     by body region the damage of a cycle: DUET's of the hands as `<side>_hand`; of the joints by the same
         curve, with the largest load during the work as the rating (assumed: DUET is for hands)
+    lifts    whether it is stated that a load is lifted or lowered
     """
 
     cycle_s: float
     duty: Array
     efforts: Mapping[str, tuple[Effort, ...]]
     dose: Mapping[str, float]
+    lifts: bool = False
 
     @classmethod
     def of(cls, job: Job) -> "Demand":
@@ -56,7 +59,8 @@ class Demand:
         efforts = {
             side: tuple(effort_of(one, side, job.cycle_s, 0.0) for one in job.working_with(side)) for side in SIDES
         }
-        return cls(job.cycle_s, duty_of(job), efforts, dose)
+        lifts = any(operation.stated.handling in LIFTED for operation in job.operations)
+        return cls(job.cycle_s, duty_of(job), efforts, dose, lifts)
 
 
 def duty_of(job: Job) -> Array:

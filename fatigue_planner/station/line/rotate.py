@@ -3,38 +3,59 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from fatigue_planner.core.executors.executor import Executor
-from fatigue_planner.ergonomics.operation import Job, Operation
-from fatigue_planner.ergonomics.stated import Shift
+from fatigue_planner.ergonomics.lifting_equation import Duration
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.station.examine import Examined, examine
-from fatigue_planner.station.judging import stated
+from fatigue_planner.station.examine import examine
 from fatigue_planner.station.line.advice import Advice, LineLoad, advise, pause_worth
 from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.loader import LoadedLine
-from fatigue_planner.station.line.measures import MEASURES
+from fatigue_planner.station.line.measures import MEASURES, lifting_class
+from fatigue_planner.station.line.posts import STATED, Post, post_of
 from fatigue_planner.station.line.program import counts_of
+from fatigue_planner.station.line.schema import MINUTES
 from fatigue_planner.station.line.slots import FREE
+from fatigue_planner.station.line.spans import Counts
 from fatigue_planner.station.outcomes import Task, tasks_of
+
+
+class Lifting(NamedTuple):
+    """For how long a worker is at stations where loads are lifted or lowered, and NIOSH's duration class of that; None:
+    more than 8 h, for which the equation is not.
+    """
+
+    hours: float
+    duration: Duration | None
 
 
 @dataclass(frozen=True)
 class CrewRotation:
     """What is to be said of rotation at a line.
 
-    cannot   by worker the stations where he or she cannot or may not work: out of reach, too weak, or stated
+    posts    by worker and station what the work there asks, or why it cannot be done
     advice   the best rota beside others; None if the stations cannot be manned
     ratios   by worker, measure and body region the ratio of load to acceptable load of the best rota
+    lifting  by worker who lifts or lowers loads, for how many h of the best rota
     pauses   by what share of itself the largest burden of the best rota rises without each break of the shift
     """
 
     line: LoadedLine
-    cannot: Mapping[str, tuple[str, ...]]
+    posts: Mapping[str, Mapping[str, Post]]
     advice: Advice | None
     ratios: Mapping[str, Mapping[str, Mapping[str, float]]]
+    lifting: Mapping[str, Lifting]
     pauses: tuple[float, ...]
+
+    @property
+    def cannot(self) -> dict[str, tuple[str, ...]]:
+        """By worker the stations where he or she cannot or may not work."""
+        return {
+            worker: tuple(station for station, post in own.items() if post.demand is None)
+            for worker, own in self.posts.items()
+        }
 
     def place(self, worker: int, slot: int) -> str:
         """The name of the station where a worker is in a slot; empty where free."""
@@ -62,23 +83,20 @@ def rotation_of(
     """
     found = examine(list(line.stations.values()), cache, executor, command, progress, tasks)
     by_station = dict(zip(line.stations, found, strict=True))
-    demands = [
-        [
-            None
+    posts = {
+        worker: {
+            station: STATED
             if station in member.not_at
-            else demand_of(by_station[station], worker, line.cycle_s(station), cache, command)
+            else post_of(by_station[station], worker, line.cycle_s(station), cache, command)
             for station in line.stations
-        ]
+        }
         for worker, member in line.line.crew.items()
-    ]
-    load = LineLoad(demands, line.line.slots, line.line.slot_s, line.line.measure)
-    cannot = {
-        worker: tuple(station for station, demand in zip(line.stations, own, strict=True) if demand is None)
-        for worker, own in zip(line.line.crew, demands, strict=True)
     }
+    demands = [[post.demand for post in own.values()] for own in posts.values()]
+    load = LineLoad(demands, line.line.slots, line.line.slot_s, line.line.measure)
     advice = advise(load)
     if advice is None:
-        return CrewRotation(line, cannot, None, {}, ())
+        return CrewRotation(line, posts, None, {}, {}, ())
     places = advice.best.places
     ratios = {}
     for number, worker in enumerate(line.line.crew):
@@ -90,20 +108,21 @@ def rotation_of(
             for kind, measure in (MEASURES.items() if own else ())
         }
     worth = partial(pause_worth, load, places)
-    return CrewRotation(line, cannot, advice, ratios, tuple(worth(60 * one.minutes) for one in line.line.shift.breaks))
+    pauses = tuple(worth(60 * one.minutes) for one in line.line.shift.breaks)
+    return CrewRotation(line, posts, advice, ratios, lifting_of(line, demands, places), pauses)
 
 
-def demand_of(found: Examined, worker: str, cycle_s: float, cache: ReactionCache, command: str) -> Demand | None:
-    """What a cycle asks of a worker at the places that are recommended, or else at the own best; None if out of reach.
-
-    Raises what `ReactionCache.stream` raises.
-    """
-    doings = found.doings(worker, found.best.places)
-    if not doings:
-        return None
-    case = found.case(doings, cache, command)
-    operations = tuple(
-        Operation(doing.operation, task.request.motion, reaction.motion, stated(found.station, doing.operation))
-        for doing, task, reaction in zip(doings, case.tasks, case.reactions(), strict=True)
-    )
-    return Demand.of(Job(operations, Shift(cycle_s=cycle_s)))
+def lifting_of(line: LoadedLine, demands: Sequence[Sequence[Demand | None]], places: Counts) -> dict[str, Lifting]:
+    """See CrewRotation.lifting; demands: by worker and station; places: a rota."""
+    pieces = [(slot, *span) for slot, spans in enumerate(line.line.slot_times()) for span in spans]
+    begins = [begin for _, begin, _ in pieces[1:]] + [MINUTES * line.line.shift.hours]
+    times_h = [((end - begin) / MINUTES, (after - end) / MINUTES)
+               for (_, begin, end), after in zip(pieces, begins, strict=True)]  # fmt: skip
+    found = {}
+    for worker, own, row in zip(line.line.crew, demands, places, strict=True):
+        lifts = [demand is not None and demand.lifts for demand in own]
+        where = [int(row[slot]) for slot, _, _ in pieces]
+        hours = sum(work_h for place, (work_h, _) in zip(where, times_h, strict=True) if place >= 0 and lifts[place])
+        if hours:
+            found[worker] = Lifting(hours, lifting_class(where, lifts, times_h))
+    return found

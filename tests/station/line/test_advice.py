@@ -53,6 +53,11 @@ def test_a_station_that_is_too_much_in_any_share_is_to_be_redesigned() -> None:
     assert found.redesign[1] <= 0.3 < found.best.largest
 
 
+def test_going_on_is_at_the_end_of_a_slot_and_one_station_at_a_time() -> None:
+    assert usual_places(2, 2, 3, 2 * HOUR_S).tolist() == [[0, 1, 0], [1, 0, 1]]
+    assert usual_places(2, 2, 4, 0.9 * HOUR_S)[0].tolist() == [0, 1, 0, 1]
+
+
 def test_who_may_not_work_somewhere_does_not() -> None:
     back, hand = dosed(back=0.4), dosed(right_hand=0.4)
     found = advise(LineLoad([[back, None], [None, hand]], 4, HOUR_S, "dose"))

@@ -2,15 +2,21 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from commands import fatplan
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.loader import load_line
+from fatigue_planner.station.line.rotate import lifting_of
+from fatigue_planner.station.loader import load_station
+from fatigue_planner.station.schema import Break
 
 STATION = """\
 name: {name}
@@ -33,6 +39,7 @@ crew:
 shift: {hours: 4.5, breaks: [{at_min: 120, minutes: 30}]}
 slots: 4
 """
+NOTHING = Demand(60.0, np.zeros((0, 0)), {}, {})
 
 
 @pytest.fixture
@@ -44,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("changed", "said"), [
-    ({"crew": {"a": {"percentile": 5, "sex": "female"}}}, "crew: 1 workers cannot man 2 stations all the time"),
+    ({"crew": {"a": {"percentile": 5, "sex": "female"}}}, "crew: 1 worker cannot man 2 stations all the time"),
     ({"slots": 9}, "slots = 9"),
     ({"measure": "pulse"}, "measure = 'pulse'"),
     ({"stations": {"high": {"file": "none.yaml"}}}, "none.yaml"),
@@ -71,6 +78,60 @@ def test_who_may_work_nowhere_and_a_station_for_nobody_are_told(folder: Path) ->
     assert "stations.low: nobody of the crew may work there (not_at)" in message
 
 
+def test_a_crew_that_cannot_man_all_stations_at_the_same_time_is_told(folder: Path) -> None:
+    content = yaml.safe_load(LINE)
+    content["stations"]["third"] = {"file": "low.yaml"}
+    content["crew"] |= {"free": {"percentile": 50, "sex": "female"}}
+    for worker in ("P5", "P95"):
+        content["crew"][worker]["not_at"] = ["high", "low"]
+    (folder / "line.yaml").write_text(yaml.safe_dump(content))
+    with pytest.raises(ExperimentError, match="by not_at, at most 2 of 3 stations can have a worker at the same time"):
+        load_line(folder / "line.yaml")
+
+
+def test_stations_of_other_populations_are_told(folder: Path) -> None:
+    people = "population: {male: {stature_m: {mean: 1.8, sd: 0.07}}}\n"
+    (folder / "low.yaml").write_text((folder / "low.yaml").read_text() + people)
+    with pytest.raises(ExperimentError, match=r"stations\.low\.file: its population is not that of high"):
+        load_line(folder / "line.yaml")
+
+
+def test_stations_have_the_pace_of_the_line_and_who_may_work_there(folder: Path) -> None:
+    content = yaml.safe_load(LINE)
+    content["stations"]["low"]["cycles_per_hour"] = 85
+    content["crew"] |= {"third": {"percentile": 50, "sex": "female", "not_at": ["low"]}}
+    (folder / "line.yaml").write_text(yaml.safe_dump(content))
+    found = load_line(folder / "line.yaml")
+    assert found.cycle_s("low") == pytest.approx(3600 / 85)
+    assert found.stations["low"].cycle.duration_s == 42.36 and found.cycle_s("high") == 20
+    assert [*found.stations["low"].workers] == ["P5", "P95"] and [*found.stations["high"].workers] == [*content["crew"]]
+    assert load_station(folder / "low.yaml").workers.keys() == {"nobody"}
+
+
+def test_slots_share_the_time_of_work_and_breaks_divide_them(folder: Path) -> None:
+    """4.5 h with 30 min of break at 120 min: four slots of 60 min, the third after it; the break may fall into one."""
+    found = load_line(folder / "line.yaml").line
+    assert found.slot_times() == [[(0, 60)], [(60, 120)], [(150, 210)], [(210, 270)]]
+    shift = found.shift.model_copy(update={"breaks": (Break(at_min=90, minutes=20), Break(at_min=110, minutes=10))})
+    divided = found.model_copy(update={"shift": shift}).slot_times()
+    assert divided == [[(0, 60)], [(60, 90), (120, 150)], [(150, 210)], [(210, 270)]]
+    uneven = found.model_copy(update={"slots": 7}).slot_times()
+    assert [sum(end - begin for begin, end in spans) for spans in uneven] == pytest.approx([240 / 7] * 7)
+    assert uneven[-1][-1][1] == 270
+
+
+def test_hours_of_lifting_have_the_duration_class_of_their_order(folder: Path) -> None:
+    """Two hours in a row are moderate; half an hour's break between them is too short to part them."""
+    found = load_line(folder / "line.yaml")
+    none, lifts = NOTHING, replace(NOTHING, lifts=True)
+    demands = [[lifts, none], [lifts, none]]
+    assert lifting_of(found, demands, np.array([[0, 0, 1, 1], [1, 1, 0, 0]])) == {
+        "P5": (2.0, "moderate"), "P95": (2.0, "moderate"),
+    }  # fmt: skip
+    assert lifting_of(found, demands, np.array([[0, 1, 1, 0], [1, 0, 0, 1]]))["P5"] == (2.0, "short")
+    assert lifting_of(found, [[none, none]] * 2, np.array([[0, 0, 0, 0], [1, 1, 1, 1]])) == {}
+
+
 @pytest.mark.slow
 def test_a_line_from_its_file_to_its_rota(folder: Path) -> None:
     where = ("--cache", folder / "cache", "--output", folder / "out")
@@ -78,7 +139,9 @@ def test_a_line_from_its_file_to_its_rota(folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     advice = document["advice"]
-    assert document["cannot"] == {"P5": [], "P95": []}
+    assert document["cannot"] == {"P5": {}, "P95": {}}
+    assert document["not_acceptable"] == []
+    assert advice["lifting"] == {}
     assert advice["exact"] and advice["largest"] <= min(advice["staying"], advice["usual"]) * (1 + 1e-9)
     assert advice["largest"] == max(
         value for regions in advice["ratios"].values() for value in regions["acceptable_effort"].values()
@@ -89,5 +152,9 @@ def test_a_line_from_its_file_to_its_rota(folder: Path) -> None:
         assert sorted(row["station"] for row in rows if row["slot"] == slot) == ["high", "low"]
     stored = json.loads((folder / "out" / "rotation.json").read_text())
     assert stored["advice"] == advice
+    # nothing binds the stations so far
+    for name in ("high", "low"):
+        (folder / f"{name}.yaml").write_text((folder / f"{name}.yaml").read_text().replace("binding: []\n", ""))
     again = fatplan("rotate", folder / "line.yaml", *where, "--jobs", "1")
-    assert again.returncode == 0 and f"of a worker: {advice['largest']:.2f}" in again.stdout
+    assert again.returncode == 0 and f"of a worker is {advice['largest']:.2f}" in again.stdout
+    assert "  P5 at high: the work is not acceptable by EN 1005-4 (right upper arm raised far, " in again.stdout
