@@ -1,4 +1,4 @@
-"""`fatplan init`: a file to begin with, an experiment's or a station's."""
+"""`fatplan init`: a file to begin with, an experiment's, a station's or a line's."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from fatigue_planner.cli import options
-from fatigue_planner.core.errors import ExperimentError, OutputFolderError
+from fatigue_planner.core.errors import ExperimentError, OutputFolderError, SelectionError
 
 EXPERIMENT = """\
 # Your own workstation. Change what is below, then run
@@ -86,15 +86,44 @@ cycle: {{duration_s: 30}}             # the takt; what the operations leave of i
 shift: {{hours: 8, breaks: [{{at_min: 120, minutes: 15}}, {{at_min: 270, minutes: 30}}]}}
 """
 
+LINE = """\
+# A line of your own. Change what is below, then run
+#   fatplan validate {file}     is the file right, and are those of its stations?
+#   fatplan rotate {file}       who works where in which slot of the shift, and what does that gain?
+# All keys are explained in the documentation, on the page "Rotation at a line".
+name: {name}
+
+# Each has one worker all the time. A file of your own (`fatplan init --station NAME` writes one) lies beside this one;
+# these three ship with fatplan. The order is that in which workers usually go on.
+stations:
+  lamps: {{file: trim_lamps}}
+  seats: {{file: trim_seats}}
+  clips: {{file: trim_clips, cycles_per_hour: 85}}     # without it, the pace is that of the station's cycle
+
+# Pseudonyms or percentiles, no names; at least as many as stations. Body and strength as in a station's file.
+crew:
+  small_woman: {{percentile: 20, sex: female}}
+  median_man: {{percentile: 50, sex: male}}
+  measured: {{height_m: 1.84, mass_kg: 82, sex: male, not_at: [clips]}}     # where he may not work, for other reasons
+
+shift: {{hours: 8, breaks: [{{at_min: 120, minutes: 15}}, {{at_min: 270, minutes: 30}}]}}
+slots: 8                            # equally long times of work, between which workers may change places
+# What is balanced: acceptable_effort (of all joints), dose (damage), cumulative_strain_index (of the hands).
+measure: acceptable_effort
+"""
+
 
 def init(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the experiment, or of its file: NAME.yaml.")],
     station: Annotated[
         bool, typer.Option("--station", help="A workstation for `fatplan assess` instead of an experiment.")
     ] = False,
+    line: Annotated[
+        bool, typer.Option("--line", help="A line of stations for `fatplan rotate` instead of an experiment.")
+    ] = False,
     as_json: options.Json = False,
 ) -> None:
-    """Write a short, commented experiment or workstation, NAME.yaml, to fill in with a task of your own."""
+    """Write a short, commented experiment, workstation or line, NAME.yaml, to fill in with a task of your own."""
     import yaml
     from pydantic import TypeAdapter, ValidationError
 
@@ -102,6 +131,8 @@ def init(
     from fatigue_planner.core.settings import Name
     from fatigue_planner.experiment.error_messages import NAME_PATTERN
 
+    if station and line:
+        raise SelectionError("--station and --line: give one of them.")
     name = name.removesuffix(".yaml")
     try:
         TypeAdapter(Name).validate_python(name)
@@ -111,5 +142,5 @@ def init(
     if file.exists() or file.is_symlink():
         raise OutputFolderError(f"{file}: exists already and stays as it is; choose another NAME.")
     written_name = yaml.safe_dump(name).splitlines()[0]  # in quotes where YAML needs them: no
-    publish_text(file, (STATION if station else EXPERIMENT).format(file=file, name=written_name))
+    publish_text(file, (STATION if station else LINE if line else EXPERIMENT).format(file=file, name=written_name))
     options.present({"file": file, "name": name}, f"{file}: written; its comments say how to go on.", as_json)

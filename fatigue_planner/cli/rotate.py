@@ -15,7 +15,9 @@ FREE_WORD = "free"
 
 
 def rotate(
-    line: Annotated[Path, typer.Argument(metavar="LINE", help="The line's file (YAML).")],
+    line: Annotated[
+        Path, typer.Argument(metavar="LINE", help="The line's file (YAML), or the name of one that ships.")
+    ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this line.")
     ] = None,
@@ -28,7 +30,7 @@ def rotate(
 
     Least is first the largest ratio of load to acceptable load of any worker, then the sum of the squares of all, then
     the number of changes. The measures remember the hours of a shift. Files in the results folder: rotation.json and
-    rota.csv.
+    rota.csv. `fatplan init --line NAME` writes a line to fill in.
     """
     import pandas as pd
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 def validate(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="An experiment, a station, a file of claims, or a study (YAML).")
+        Path,
+        typer.Argument(metavar="FILE", help="An experiment, a station, a line, a file of claims, or a study (YAML)."),
     ],
     resolved: Annotated[
         bool, typer.Option("--resolved", help="Print the experiment with all defaults written out (YAML).")
@@ -58,6 +59,7 @@ def schema(
     """Print the JSON Schema of a kind of file, for editors that complete and check YAML as you type."""
     from fatigue_planner.experiment.loader import editor_schema
     from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.station.line.schema import Line
     from fatigue_planner.station.schema import Station
     from fatigue_planner.study.claims.schema import ClaimsFile
     from fatigue_planner.study.sensitivity.settings import StudySettings
@@ -67,6 +69,7 @@ def schema(
         FileKind.CLAIMS: ClaimsFile,
         FileKind.STUDY: StudySettings,
         FileKind.STATION: Station,
+        FileKind.LINE: Line,
     }
     typer.echo(json.dumps(editor_schema(settings[kind]), indent=1))
 
@@ -87,6 +90,12 @@ def summary(file: Path, kind: FileKind, resolved: bool = False) -> tuple[dict[st
 
         study = load_study(file)
         about = f"a study of {len(study.settings.factors)} settings of {study.base_file}"
+        return {"about": about}, f"{file}: ok; {about}."
+    if kind is FileKind.LINE:
+        from fatigue_planner.station.line.loader import load_line
+
+        line = load_line(file).line
+        about = f"a line with {counted(len(line.stations), 'station')}, a crew of {len(line.crew)}"
         return {"about": about}, f"{file}: ok; {about}."
     if kind is FileKind.STATION:
         from fatigue_planner.station.loader import load_station

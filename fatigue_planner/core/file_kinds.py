@@ -15,6 +15,7 @@ class FileKind(StrEnum):
     CLAIMS = "claims"
     STUDY = "study"
     STATION = "station"
+    LINE = "line"
 
 
 # By kind, in the order of search: its keys, of which only such a file has the first; what it is in words; one that
@@ -22,6 +23,7 @@ class FileKind(StrEnum):
 _ABOUT = {
     FileKind.STUDY: (("factors",), "a study", "sensitivity", "`fatplan sensitivity`"),
     FileKind.CLAIMS: (("experiment", "claims"), "a file of claims", "paper_claims", "`fatplan claims`"),
+    FileKind.LINE: (("crew", "stations"), "a line", "trim_line", "`fatplan rotate`"),
     FileKind.STATION: (("operations",), "a station", "car_line", "`fatplan assess` and `schedule`"),
     FileKind.EXPERIMENT: (("actions",), "an experiment", "paper", "`fatplan simulate`, `benchmark` and `report`"),
 }

@@ -9,6 +9,7 @@ from commands import fatplan, refused
 from conftest import PAPER, ROOT
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.file_kinds import FileKind
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.loader import editor_schema, load_experiment
 from fatigue_planner.experiment.schema import Experiment
@@ -77,6 +78,8 @@ def _objects(schema: object) -> list[dict[str, object]]:
             "paper_claims.yaml: is a file of claims, not an experiment; it is for `fatplan claims`",
         ),
         ("benchmark sensitivity", "is a study, not an experiment"),
+        ("rotate car_line", "car_line.yaml: is a station, not a line; it is for `fatplan assess` and `schedule`"),
+        ("assess trim_line", "trim_line.yaml: is a line, not a station; it is for `fatplan rotate`"),
         ("sensitivity paper", "is an experiment, not a study"),
         ("sensitivity paper_claims", "is a file of claims, not a study"),
     ],
@@ -104,7 +107,7 @@ def test_the_schema_knows_every_key_of_the_shipped_experiments() -> None:
     assert set(found["$defs"]["Range"]["properties"]) == {"from", "to", "count"}
 
 
-@pytest.mark.parametrize("kind", ["experiment", "claims", "study"])
+@pytest.mark.parametrize("kind", list(FileKind))
 def test_schemas_are_printed_as_json(kind: str) -> None:
     printed = json.loads(output_of("schema", kind))
     assert printed["$schema"].endswith("2020-12/schema") and printed["type"] == "object"

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.core.file_kinds import FileKind, mapping_of_kind
 from fatigue_planner.core.files import file_named_in, find_shipped
 from fatigue_planner.core.yaml_reader import read_yaml
 from fatigue_planner.experiment.error_messages import joined_errors
@@ -44,8 +45,7 @@ def load_line(path: Path) -> LoadedLine:
     """
     path = find_shipped(path)
     content = read_yaml(path, ExperimentError)
-    if not isinstance(content, dict):
-        raise ExperimentError(f"{path}: is not a mapping of settings; docs/rotation.md explains the keys of a line.")
+    content = mapping_of_kind(path, content, FileKind.LINE, ExperimentError)
     line = parse_settings(Line, content, str(path), ExperimentError)
     stations, cycles_s = {}, {}
     for name, said in line.stations.items():

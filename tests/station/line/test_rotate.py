@@ -10,11 +10,14 @@ import numpy as np
 import pytest
 import yaml
 from commands import fatplan
+from conftest import ROOT
 
 from fatigue_planner.core.errors import ExperimentError
+from fatigue_planner.experiment.loader import editor_schema
 from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.loader import load_line
 from fatigue_planner.station.line.rotate import lifting_of
+from fatigue_planner.station.line.schema import Line
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.schema import Break
 
@@ -130,6 +133,29 @@ def test_hours_of_lifting_have_the_duration_class_of_their_order(folder: Path) -
     }  # fmt: skip
     assert lifting_of(found, demands, np.array([[0, 1, 1, 0], [1, 0, 0, 1]]))["P5"] == (2.0, "short")
     assert lifting_of(found, [[none, none]] * 2, np.array([[0, 0, 0, 0], [1, 1, 1, 1]])) == {}
+
+
+def test_what_init_writes_is_a_line(tmp_path: Path) -> None:
+    assert fatplan("init", "mine", "--line", cwd=tmp_path).returncode == 0
+    done = fatplan("validate", "mine.yaml", cwd=tmp_path)
+    assert done.stdout == "mine.yaml: ok; a line with 3 stations, a crew of 3.\n"
+    both = fatplan("init", "other", "--line", "--station", cwd=tmp_path)
+    assert both.returncode == 2 and both.stderr == "Error: --station and --line: give one of them.\n"
+
+
+def test_every_key_of_a_line_is_described() -> None:
+    printed = editor_schema(Line)
+    kinds = [printed, *printed["$defs"].values()]
+    keys = [(kind.get("title"), key, each) for kind in kinds for key, each in kind.get("properties", {}).items()]
+    assert len(keys) > 20 and all(each.get("description") for _, _, each in keys)
+
+
+@pytest.mark.slow
+def test_the_line_that_ships_rotates_as_its_page_says(tmp_path: Path) -> None:
+    done = fatplan("rotate", "trim_line", "--cache", tmp_path / "cache", "--output", tmp_path / "out", "--jobs", "1")
+    assert done.returncode == 0, done.stderr
+    shown = (ROOT / "docs" / "rotation.md").read_text(encoding="utf-8").split("```text\n")[1].split("```")[0]
+    assert done.stdout.startswith(shown)
 
 
 @pytest.mark.slow
