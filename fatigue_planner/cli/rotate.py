@@ -21,6 +21,7 @@ def rotate(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this line.")
     ] = None,
+    language: Annotated[str, typer.Option("--language", help="Language of the page: en or de.")] = "en",
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     jobs: options.Jobs = options.ALL_CORES,
@@ -29,16 +30,19 @@ def rotate(
     """Say who of a crew works at which station of a LINE in which slot, and what that gains.
 
     Least is first the largest ratio of load to acceptable load of any worker, then the sum of the squares of all, then
-    the number of changes. The measures remember the hours of a shift. Files in the results folder: rotation.json and
-    rota.csv. `fatplan init --line NAME` writes a line to fill in.
+    the number of changes. The measures remember the hours of a shift. Files in the results folder: rota.html, a page to
+    hang up; rotation.json and rota.csv. `fatplan init --line NAME` writes a line to fill in.
     """
     import pandas as pd
 
     from fatigue_planner.core.files import publish_csv, publish_text, writable_folder
+    from fatigue_planner.output.reports.station.catalogue import catalogue_of
+    from fatigue_planner.output.reports.station.rota import PAGE, rota_page
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.station.line.loader import load_line
     from fatigue_planner.station.line.rotate import motions_of, rotation_of
 
+    texts = catalogue_of(language)
     loaded, executor, store = load_line(line), options.executor_of(jobs, None), ReactionCache(cache)
     folder = writable_folder(output or results / loaded.line.name)
     tasks = motions_of(loaded)
@@ -48,9 +52,10 @@ def rotate(
         found = rotation_of(loaded, tasks, store, executor, command, lambda made: counter.advance(pieces=made.kept))
     warn(store.damaged)
     document = _document(found)
-    files = [folder / "rotation.json", folder / "rota.csv"]
-    publish_text(files[0], options.json_text(document) + "\n")
-    publish_csv(files[1], pd.DataFrame(document["rota"], columns=["worker", "slot", "from_min", "to_min", "station"]))
+    files = [folder / PAGE, folder / "rotation.json", folder / "rota.csv"]
+    publish_text(files[0], rota_page(found, texts))
+    publish_text(files[1], options.json_text(document) + "\n")
+    publish_csv(files[2], pd.DataFrame(document["rota"], columns=["worker", "slot", "from_min", "to_min", "station"]))
     text = "\n".join([*_text(found), "", f"{folder}: {', '.join(file.name for file in files)}"])
     options.present(document | {"files": files}, text, as_json)
 

@@ -26,7 +26,7 @@ from fatigue_planner.ergonomics.registry import evaluate
 from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.experiment.pose_grid import point_name
-from fatigue_planner.fatigue.entries import ENTRIES
+from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS
 from fatigue_planner.fatigue.model import CycleMap
 from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.plausibility import BARS, Finding
@@ -475,7 +475,7 @@ def added_up(tree: ast.AST) -> Iterator[str]:
 
 SOURCES = [
     *sorted((PACKAGE / "ergonomics").rglob("*.py")),
-    *sorted((PACKAGE / "station").glob("*.py")),
+    *sorted((PACKAGE / "station").rglob("*.py")),
     *sorted((PACKAGE / "output" / "reports" / "station").glob("*.py")),
     PACKAGE / "robot" / "reach.py",
     PACKAGE / "motion" / "plausibility.py",
@@ -514,7 +514,8 @@ def vocabulary() -> set[str]:
     """Words that come as values: joints, bodies, sexes, ways, levels, and what the methods are called."""
     joints = {re.sub("^(right|left) ", "", entry.partition(":")[0].replace("_", " ")) for entry in ENTRIES}
     bodies = {re.sub("^(right|left) ", "", body.replace("_", " ")) for body in BODIES}
-    found = {*joints, *bodies, *(level.words for level in Level), *ORIGINS.values()}
+    groups = {re.sub("^(right|left)_", "", group) for group in JOINT_GROUPS}
+    found = {*joints, *bodies, *groups, *(level.words for level in Level), *ORIGINS.values()}
     for kind in INDICATORS.kinds().values():
         if kind.__module__.startswith("fatigue_planner."):
             said: Any = getattr(kind, "words", ())
@@ -533,7 +534,7 @@ def test_no_text_is_missing(
     assert not catalogue.missing
     keys = load_data(texts.TEXTS / f"{language}.yaml", texts.Texts).texts
     said = templates() | vocabulary()
-    for name in ("statements", "recommendation", "changes", "examine", "robot_reach"):
+    for name in ("statements", "recommendation", "changes", "examine", "robot_reach", "line/statements"):
         said |= set(capitals(PACKAGE / "station" / f"{name}.py"))
     missing = []
     for text in said - {""}:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from fatigue_planner.ergonomics.result import Phrase
+from fatigue_planner.station import statements
 from fatigue_planner.station.line.rotate import CrewRotation
 
 # Who cannot work where.
@@ -27,6 +28,22 @@ REMEMBER = (
     "The measures of the rota remember the hours of a shift; the fatigue laws (Ma, 3CC-r) forget within minutes, so no "
     "hourly plan rests on them"
 )
+# What is balanced, by measure.
+BALANCED = {
+    "acceptable_effort": "effort over the maximum acceptable effort (Potvin 2012)",
+    "dose": "damage over the cut point of DUET (Gallagher et al. 2018)",
+    "cumulative_strain_index": "cumulative strain index of the hands over 10 (Garg et al. 2017)",
+}
+# What has to be known.
+ASSUMED_SLOTS = "Slots are equally long in work; a break may fall into one, and counts as rest"
+ASSUMED_DAY = (
+    "The day of the maximum acceptable effort is 8 h: a shorter shift leaves the rest of it free. Loads are rounded up "
+    "to whole percents of the strength"
+)
+ASSUMED_DOSE = "The curve of DUET is for hands; for joints it is used with their largest load as the rating"
+ASSUMED_LOW = "What is not stated of hands counts at the low end of its range"
+ASSUMED_FAIR = "Fairness is the least sum of the squares of what each bears most; no source says which measure is right"
+ASSUMED_ORDER = "Persons are in the order of the file; what each bears is not shown"
 
 
 def of_posts(found: CrewRotation) -> Iterator[Phrase]:
@@ -72,3 +89,17 @@ def of_shift(found: CrewRotation) -> Iterator[Phrase]:
             yield Phrase(LIFTING_TOO_LONG, {"worker": worker, "hours": hours})
         else:
             yield Phrase(LIFTING, {"worker": worker, "hours": hours, "duration": duration})
+
+
+def assumptions_of(found: CrewRotation) -> Iterator[Phrase]:
+    """What the rota rests on."""
+    yield Phrase(REMEMBER)
+    yield Phrase(ASSUMED_SLOTS)
+    yield Phrase({"acceptable_effort": ASSUMED_DAY, "dose": ASSUMED_DOSE}.get(found.line.line.measure, ASSUMED_LOW))
+    yield Phrase(ASSUMED_FAIR)
+    first = next(iter(found.line.stations.values()))
+    own = statements.OWN_POPULATION
+    yield Phrase(statements.ASSUMED_POPULATION if first.population is None else own)
+    yield Phrase(statements.ASSUMED_MASS)
+    yield Phrase(statements.ASSUMED_REACH)
+    yield Phrase(ASSUMED_ORDER)

@@ -18,7 +18,7 @@ PAGE = "assess.html"
 # A page with more pictures is too heavy.
 MAX_PICTURES = 60
 # So much of a digest tells two files apart on paper.
-_SHOWN_DIGITS = 16
+SHOWN_DIGITS = 16
 
 
 def station_page(assessment: StationAssessment, postures: Mapping[Doing, Posture], texts: Catalogue) -> str:
@@ -27,7 +27,7 @@ def station_page(assessment: StationAssessment, postures: Mapping[Doing, Posture
     title = wording.say("Workstation {name}: ergonomic assessment", name=wording.name(assessment.station.name))
     footer = wording.say(
         "Station file {digest}, fatplan {version}. All numbers are in {json}. Same file and version, same page.",
-        digest=f"`{assessment.station_digest[:_SHOWN_DIGITS]}`", version=assessment.version, json="`assessment.json`",
+        digest=f"`{assessment.station_digest[:SHOWN_DIGITS]}`", version=assessment.version, json="`assessment.json`",
     )  # fmt: skip
     return render(
         wording,

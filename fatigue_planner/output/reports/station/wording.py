@@ -19,15 +19,18 @@ NO_LEVEL = "○"
 _CLASSES = {sign: level.name.lower() for level, sign in SIGNS.items()} | {NO_LEVEL: "none"}
 # Values of sentences that are names of the file: of workers, and of anything else; and names that are as they are.
 _AS_THEY_ARE = ("arm",)
-_WORKERS, _NAMES = ("worker", "workers"), ("place", "operation", "others", "tool", "sequence")
+_WORKERS, _NAMES = ("worker", "workers"), ("place", "operation", "others", "tool", "sequence", "station", "stations")
 
 
 class Wording:
-    """The words for an assessment in a language."""
+    """The words for an assessment in a language.
 
-    def __init__(self, catalogue: Catalogue, workers: Sequence[WorkerFacts]) -> None:
+    Workers are called by sex and percentile; those whose pseudonyms are given, by these.
+    """
+
+    def __init__(self, catalogue: Catalogue, workers: Sequence[WorkerFacts], pseudonyms: Iterable[str] = ()) -> None:
         self.catalogue = catalogue
-        self._labels = self._labelled(workers)
+        self._labels = {**self._labelled(workers), **{name: format_label(name) for name in pseudonyms}}
 
     def say(self, template: str, /, **values: str | float) -> str:
         """A text of the page with its values, which are put into words already."""
