@@ -1,5 +1,6 @@
 """From recordings to reactions: subjects, phases, contacts, verdicts; and simulated reactions, recorded, come back."""
 
+import io
 import itertools
 import math
 import re
@@ -7,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import h5py
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +16,7 @@ from numpy.typing import NDArray
 from recorded import real
 from simulated_recording import record
 
-from fatigue_planner.core.errors import DataFileError, MissingReactionsError, RecordingError
+from fatigue_planner.core.errors import DataFileError, MissingReactionsError, OtherVersionError, RecordingError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import load_reactions, reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment
@@ -23,7 +25,7 @@ from fatigue_planner.human.model import Tool
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.reactions.cache import ReactionCache
-from fatigue_planner.reactions.hdf5_layout import entry_bytes, read_entry
+from fatigue_planner.reactions.hdf5_layout import entry_bytes, read_entry, with_checksum
 from fatigue_planner.reactions.key import ReactionKey
 from fatigue_planner.reactions.reaction import FailedReaction, Reaction, ReactionName, ReactionRequest, Recorded
 from fatigue_planner.reactions.recorded import PhaseQuality, RecordedQuality, RecordingAccuracy, largest_load
@@ -200,6 +202,11 @@ def test_a_recorded_reaction_is_stored_and_read(reactions: tuple[Reaction, ...])
     assert found.digest != reactions[0].digest and found.key.recorded == KEY and found.key.is_current
     np.testing.assert_array_equal(found.motion.torque_nm, stored.motion.torque_nm)
     assert faults_of(found) == [] and found.findings == []
+    older = io.BytesIO(entry_bytes(stored))
+    with h5py.File(older, "r+") as file:
+        file["format_version"][()] = 5  # it named wrists only
+    with pytest.raises(OtherVersionError, match="has format 5; this version reads 6"):
+        read_entry(with_checksum(older.getvalue()), "memory")
     altered = replace(found, motion=replace(found.motion, torque_nm=2 * found.motion.torque_nm))
     assert "largest_load_share" in faults_of(altered)[0]
 
@@ -396,6 +403,7 @@ def test_a_real_squat_is_believed_but_for_its_wrists() -> None:
     assert table[["right_wrist_flexion", "neck_flexion"]].isna().all(axis=None)
     assert table["right_knee_flexion"].notna().all()
     assert not any(remark.fault in (12, 13) for remark in made.remarks)
+    assert made.track.cutoff_hz == 6 and made.calibration.person.trunk_forward_m < -0.02  # skin; the static's plates
 
 
 @pytest.mark.slow
