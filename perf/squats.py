@@ -6,7 +6,8 @@ Recorded: the body-weight squats of squat_sit_plates/squats1. Simulated: a perso
 preference squat, whose right hand goes to a place that takes the pelvis as far down, and back, with nothing in it. Both
 over the way of the pelvis, down and up, so that speed does not count. Angles, and torques of inverse dynamics over body
 mass, of the right side. Printed: the RMS off the recorded mean, how often the simulated one leaves the recorded band
-(the least and the most of all squats), both at the deepest point, and where they differ most.
+(the least and the most of all squats), both at the deepest point, and where they differ most. First, what the height of
+the place decides: it stands for a task that nobody recorded.
 """
 
 import os
@@ -33,6 +34,8 @@ Vector = NDArray[np.float64]
 JOINTS = ("lumbar_flexion", "thoracic_flexion", "right_hip_flexion", "right_knee_flexion", "right_ankle_flexion")
 ENDS = slice(20, -20)  # of filters
 PERSON: dict[str, Any] = {"height_m": 1.75, "mass_kg": 60.05, "sex": "male"}  # stature and sex are not known
+HEIGHTS_M = (0.44, 0.49, 0.54, 0.59, 0.64)  # of the simulated hand's place
+HEIGHT_M = 0.54
 PHASE = np.linspace(0.05, 0.95, 19)  # of the way down, and of the way up
 
 
@@ -64,10 +67,10 @@ def recorded(folder: Path) -> tuple[Vector, Vector, Vector]:
     return squats.configuration[ENDS, 2], squats.configuration[ENDS, 7:], torques.torque_nm[ENDS]
 
 
-def simulated() -> tuple[Vector, Vector, Vector]:
-    """The same of the natural human's squat to a low place, with nothing in the hand."""
+def simulated(height_m: float) -> tuple[Vector, Vector, Vector]:
+    """The same of the natural human's squat to a place at this height, with nothing in the hand."""
     content = read_content(Path(__file__).parents[1] / "experiments" / "pose_grid.yaml")
-    goal = {"position_m": {"x": 0.4, "y": -0.2, "z": 0.54}, "orientation_deg": {"y": -90}}
+    goal = {"position_m": {"x": 0.4, "y": -0.2, "z": height_m}, "orientation_deg": {"y": -90}}
     content |= {"tool": {"mass_kg": 0}, "actions": {"low": {"right_hand": goal}}, "workers": {"person": PERSON}}
     content["preferences"] = {"squat": content["preferences"]["squat"]}
     for condition in content["benchmark"]["conditions"].values():
@@ -96,10 +99,25 @@ def squats_of(height: Vector, values: Vector) -> list[Vector]:
     return found
 
 
+def print_heights(seen: tuple[Vector, Vector, Vector], each: dict[float, tuple[Vector, Vector, Vector]]) -> None:
+    """How far down the pelvis goes, and the RMS of each angle off the recorded mean, by the height of the place."""
+    print(f"pelvis down by {np.ptp(seen[0]):.2f} m recorded")
+    print("| height of the place, m | pelvis down by, m |", " | ".join(JOINTS).replace("right_", ""), "|")
+    print("|---|---|" + "---|" * len(JOINTS))
+    mean = np.mean(squats_of(seen[0], seen[1]), axis=0)
+    for height_m, own in each.items():
+        (one, *_) = squats_of(own[0], own[1])
+        off = np.degrees(np.sqrt(((one - mean) ** 2).mean(axis=0)))
+        cells = [f"{off[DEGREES_OF_FREEDOM.index(joint)]:.1f}°" for joint in JOINTS]
+        print("|", " | ".join([f"{height_m:.2f}", f"{np.ptp(own[0]):.2f}", *cells]), "|")
+
+
 def main() -> None:
-    """Print the table."""
-    seen, own = recorded(Path(os.environ["FATPLAN_RECORDINGS"]) / "squat_sit_plates"), simulated()
-    print(f"pelvis down by {np.ptp(seen[0]):.2f} m recorded, {np.ptp(own[0]):.2f} m simulated")
+    """Print both tables."""
+    seen = recorded(Path(os.environ["FATPLAN_RECORDINGS"]) / "squat_sit_plates")
+    each = {height_m: simulated(height_m) for height_m in HEIGHTS_M}
+    print_heights(seen, each)
+    own = each[HEIGHT_M]
     print("| joint | what | RMS | outside the band | recorded, deepest | simulated, deepest | farthest off at |")
     print("|---|---|---|---|---|---|---|")
     for what, index, scale in (("angle, deg", 1, 180 / np.pi), ("torque, N.m/kg", 2, 1 / PERSON["mass_kg"])):

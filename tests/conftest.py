@@ -1,6 +1,10 @@
 """What several tests share: the paper's experiment, its reactions, simulated once per session, and keys of results."""
 
 import os
+
+# Threads of linear algebra that wait for each other on busy cores made imports of recordings nine times as slow.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 import shutil
 import socket
 from collections.abc import Callable, Iterator

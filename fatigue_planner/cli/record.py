@@ -3,6 +3,7 @@
 `record import` is in a file of its own.
 """
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -10,6 +11,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.core.errors import ExitCode
+from fatigue_planner.core.executors.executor import ONE_THREAD
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
@@ -38,6 +40,17 @@ AnglesIn = Annotated[
 Reader = Annotated[
     Literal["ezc3d", "c3d"] | None, typer.Option("--reader", help="Library to believe where two read C3D differently.")
 ]
+
+
+@app.callback()
+def one_thread() -> None:
+    """Let linear algebra be done by one thread, before its libraries are loaded.
+
+    What is computed of a recording is then the same, to the bit, on any number of cores; and the banded systems of the
+    smoother are solved three times as fast as by two threads that wait for each other.
+    """
+    for library in ONE_THREAD:
+        os.environ[library] = "1"
 
 
 @app.command(epilog=options.EXIT_CODES)

@@ -34,7 +34,7 @@ from fatigue_planner.core.files import canonical_json, digest_of
 from fatigue_planner.core.reading_process import Array, UnreadableError
 from fatigue_planner.human.capsules import checked_pairs
 from fatigue_planner.human.multibody import BASE_DOF
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, SIDES
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, JOINTS
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.motion.motion import Motion, Phase
 from fatigue_planner.motion.quality import Quality
@@ -54,7 +54,8 @@ HDF5_MARK = b"\x89HDF\r\n\x1a\n"
 FORMAT = "fatplan reaction"
 FAILED_FORMAT = "fatplan failed reaction"
 RECORDED_FORMAT = "fatplan recorded reaction"
-FORMAT_VERSION = 5  # to be raised when Motion, Quality or the layout above change
+# To be raised when Motion, the quality or the layout below change.
+FORMAT_VERSIONS = {FORMAT: 5, FAILED_FORMAT: 5, RECORDED_FORMAT: 6}
 
 _JOINTS = ", ".join(DEGREES_OF_FREEDOM)
 _WRENCH = ", ".join(f"{side} {part}" for side in ("right", "left") for part in ("fx", "fy", "fz", "mx", "my", "mz"))
@@ -108,8 +109,8 @@ def entry_bytes(reaction: Reaction | FailedReaction) -> bytes:
     """The content of the file of a reaction, the same for the same reaction."""
     content = io.BytesIO()
     with h5py.File(content, "w", track_order=False, userblock_size=CHECKSUM_BYTES) as file:
-        file["format"] = np.bytes_(_format_of(reaction))
-        file["format_version"] = FORMAT_VERSION
+        kind = _format_of(reaction)
+        file["format"], file["format_version"] = np.bytes_(kind), FORMAT_VERSIONS[kind]
         file["key"] = np.bytes_(canonical_json(reaction.key.plain()).encode())
         file["name"] = np.array(reaction.name, dtype=np.bytes_)
         file["content_sha256"] = np.bytes_(_content_sha256(reaction))
@@ -178,12 +179,11 @@ def _checked_format(content: bytes, source: str) -> str:
         head = read_hdf5(content, HEAD)
     except UnreadableError as error:
         raise DamagedFileError(f"{source}: {error}.") from error
-    kind = {name.encode(): name for name in (FORMAT, FAILED_FORMAT, RECORDED_FORMAT)}.get(head["format"].item())
+    kind = {name.encode(): name for name in FORMAT_VERSIONS}.get(head["format"].item())
     if kind is None:
         raise DamagedFileError(f"{source}: is not a {FORMAT}.")
-    if int(head["format_version"]) != FORMAT_VERSION:
-        found = int(head["format_version"])
-        raise OtherVersionError(f"{source}: has format {found}; this version reads {FORMAT_VERSION}.")
+    if (found := int(head["format_version"])) != FORMAT_VERSIONS[kind]:
+        raise OtherVersionError(f"{source}: has format {found}; this version reads {FORMAT_VERSIONS[kind]}.")
     return kind
 
 
@@ -284,8 +284,9 @@ def _check_recorded(quality: RecordedQuality) -> None:
     bodies = {phase.unseen_body for phase in quality.phases}
     if not bodies <= {"", *BODIES} or quality.largest_load_joint not in DEGREES_OF_FREEDOM:
         raise ValueError("its quality names an unknown part of the body")
-    if not set(quality.assumed_wrists) <= set(SIDES) or [phase.name for phase in quality.phases] != list(PHASES):
-        raise ValueError("its quality names an unknown side or phase")
+    joints = {joint.name for joint in JOINTS}
+    if not set(quality.assumed_joints) <= joints or [phase.name for phase in quality.phases] != list(PHASES):
+        raise ValueError("its quality names an unknown joint or phase")
 
 
 def _content_sha256(reaction: Reaction | FailedReaction) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.files import DIGEST_LENGTH
 from fatigue_planner.human.multibody import BASE_DOF
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM, JOINTS
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.plausibility import Finding
@@ -60,10 +60,9 @@ class Reaction:
 
     @property
     def assumed(self) -> NDArray[np.bool_]:
-        """Which degrees of freedom (39,) have torques that nobody measured: wrists of hands without markers."""
-        sides = self.quality.assumed_wrists if isinstance(self.quality, RecordedQuality) else ()
-        wrists = tuple(f"{side}_wrist_" for side in sides)
-        return np.array([name.startswith(wrists) for name in DEGREES_OF_FREEDOM])
+        """Which degrees of freedom (39,) have torques that nobody measured: those of joints that no marker shows."""
+        joints = self.quality.assumed_joints if isinstance(self.quality, RecordedQuality) else ()
+        return np.array([joint.name in joints for joint in JOINTS for _ in joint.degrees_of_freedom])
 
     def torques_nm(self) -> "pd.DataFrame":
         """Joint torques in N.m over the cycle: a row per tick, indexed by time_s, a column per degree of freedom.

@@ -9,7 +9,7 @@ from pydantic import Field
 
 from fatigue_planner.core.errors import told_apart
 from fatigue_planner.core.settings import Settings
-from fatigue_planner.core.text import percent
+from fatigue_planner.core.text import listing, percent
 from fatigue_planner.human.joint_data import MaximumTorque
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.motion import Motion
@@ -131,15 +131,16 @@ class PhaseQuality:
 class RecordedQuality:
     """How good a recording is: its phases, and what holds for all of it.
 
-    work_hand_error_m: mean distance of a hand from the action's place during work, the larger of both; assumed_wrists:
-    sides whose hand shows no marker, so that its wrist's torques are those of a hand in line with the forearm;
-    wrist_load_kg: the most that such a hand holds; largest_load_share: as of a simulated motion; length_factors: how
-    many times as long as the stature says the person's segments are, in the order of the calibration.
+    work_hand_error_m: mean distance of a hand from the action's place during work, the larger of both; assumed_joints:
+    those that no marker shows, so that their torques are those of an assumed posture (a wrist's of a hand in line with
+    the forearm); wrist_load_kg: the most that a hand without markers holds; largest_load_share: as of a simulated
+    motion; length_factors: how many times as long as the stature says the person's segments are, in the order of the
+    calibration.
     """
 
     phases: tuple[PhaseQuality, ...]
     work_hand_error_m: float
-    assumed_wrists: tuple[str, ...]
+    assumed_joints: tuple[str, ...]
     wrist_load_kg: float
     largest_load_share: float
     largest_load_joint: str
@@ -176,10 +177,10 @@ class RecordedQuality:
         found = [text for phase in self.phases for text in phase.beyond(None)]
         if not self.has_plates:
             found.append("no plate measured the ground: how both feet share it, and so the legs' torques, is assumed")
-        if self.assumed_wrists:
+        if self.assumed_joints:
             found.append(
-                f"no marker is on the {' and the '.join(self.assumed_wrists)} hand: no wrist torque is reported there; "
-                "planning uses that of a hand in line with the forearm"
+                f"no marker shows {listing([joint.replace('_', ' ') for joint in self.assumed_joints])}: no torque is "
+                "reported there; planning uses those of an assumed posture"
             )
         if self.largest_load_share > 1:
             joint = self.largest_load_joint.replace("_", " ")

@@ -1,6 +1,6 @@
 """From postures to torques: one smoother for motion and plates, inverse dynamics, and what is left of the wrench."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -11,7 +11,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from fatigue_planner.core.errors import RecordingError
 from fatigue_planner.human.multibody import BASE_DOF, GRAVITY_MPS2
-from fatigue_planner.human.skeleton import JOINTS, SIDES
+from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.recordings.kinematics.measured import Measured
 from fatigue_planner.recordings.kinematics.tracking import SKIN_HZ
 from fatigue_planner.recordings.recording import GroundForce
@@ -40,7 +40,7 @@ class Movement:
 
 @dataclass(frozen=True)
 class Torques:
-    """Inverse dynamics: torques (n, 39) N.m, NaN of joints that no marker shows.
+    """Inverse dynamics: torques (n, 39) N.m, those of joints that no marker shows (`unmarked_joints`) assumed ones.
 
     And the force (n, 3) N and moment about the mid-hip (n, 3) N.m, in the world's axes, that no plate explains; foot
     (n, p): which foot stands on each plate: 0 right, 1 left, -1 neither.
@@ -96,16 +96,11 @@ def ground_at(
     return found
 
 
-def inverse_dynamics(
-    model: pin.Model, motion: Movement, ground: Sequence[GroundForce], marked: Collection[str] | None = None
-) -> Torques:
+def inverse_dynamics(model: pin.Model, motion: Movement, ground: Sequence[GroundForce]) -> Torques:
     """The torques that make the motion under what the plates do to the feet (at the motion's frames).
 
-    marked: bodies that have markers, if only some have: no torque is reported of a joint with none of them beyond, as
-    of the wrist without markers on the hand. A guess of it would be taken for a measurement.
-
-    Without plates the ground does to the soles what the motion needs, shared as by `_shared`; nothing is left then, and
-    the residuals are NaN, as nobody measured them. The joints above the pelvis do not depend on it.
+    Without plates the ground does to the soles what the motion needs (`shared_by_soles`); nothing is left then, and the
+    residuals are NaN, as nobody measured them. The joints above the pelvis do not depend on it.
     """
     data = model.createData()
     soles = [model.frames[model.getFrameId(f"{side}_sole")] for side in SIDES]
@@ -130,25 +125,14 @@ def inverse_dynamics(
         if not ground:
             needed = data.oMi[1].act(pin.Force(pin.rnea(model, data, *state)[:BASE_DOF]))
             at = np.array([data.oMf[model.getFrameId(f"{side}_sole")].translation for side in SIDES])
-            for sole, wrench in zip(soles, _shared(needed, at), strict=True):
+            for sole, wrench in zip(soles, shared_by_soles(needed, at), strict=True):
                 outside[sole.parentJoint] += data.oMi[sole.parentJoint].actInv(wrench)
         found = pin.rnea(model, data, *state, outside)
         torque[n] = found[BASE_DOF:]
         turn = data.oMi[1].rotation
         residual[n, :3], residual[n, 3:] = turn @ found[:3], turn @ found[3:6]
     residual = residual if ground else np.full_like(residual, np.nan)
-    if marked is not None:
-        torque[:, ~shown(marked)] = np.nan
     return Torques(torque, residual[:, :3], residual[:, 3:], foot)
-
-
-def shown(marked: Collection[str]) -> NDArray[np.bool_]:
-    """Which angles (39,) are of joints that have one of the marked bodies beyond them."""
-    beyond = set(marked)
-    for joint in reversed(JOINTS):
-        if joint.child in beyond:
-            beyond.add(joint.parent)
-    return np.array([joint.child in beyond for joint in JOINTS for _ in joint.degrees_of_freedom])
 
 
 def balanced(person: Measured, motion: Movement, ground: Sequence[GroundForce]) -> Measured:
@@ -173,7 +157,7 @@ def balanced(person: Measured, motion: Movement, ground: Sequence[GroundForce]) 
     return replace(person, trunk_forward_m=STEP_M * at / (at - before))
 
 
-def _shared(needed: pin.Force, soles_m: Vector) -> list[pin.Force]:
+def shared_by_soles(needed: pin.Force, soles_m: Vector) -> list[pin.Force]:
     """A wrench about the world's origin, shared by the soles (2, 3) m: that of the smallest forces and moments.
 
     Moments count as forces at a lever of `LEVER_M`; a sole higher than the other by `RAISED_M` carries nothing.

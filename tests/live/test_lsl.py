@@ -20,6 +20,7 @@ from conftest import PAPER
 from pylsl.util import LostError
 from pylsl.util import TimeoutError as LslTimeoutError
 
+from fatigue_planner.core.errors import SelectionError
 from fatigue_planner.live.clients.client import Client
 from fatigue_planner.live.clients.connection import Address, Connection
 from fatigue_planner.live.clients.lsl import LslClient
@@ -202,12 +203,39 @@ def test_a_clock_that_does_not_answer_ends_no_stream() -> None:
     assert [("does not answer" in one, "has ended" in one) for one in said] == [(True, False), (False, True)]
 
 
+@pytest.mark.parametrize(
+    ("labels", "refused"), [(("back", "leg", "arm"), False), (("arm or back", "leg"), True), (("arm", "leg"), True)]
+)
+def test_likelihoods_are_of_preferences(
+    monkeypatch: pytest.MonkeyPatch, labels: tuple[str, ...], refused: bool
+) -> None:
+    """Two that cannot be told apart are one observation; how likely each of them was can be said all the same."""
+    info = pylsl.StreamInfo("arms", "Reactions", len(labels), pylsl.IRREGULAR_RATE, pylsl.cf_double64, "test")
+    channels = info.desc().append_child("channels")
+    for label in labels:
+        channels.append_child("channel").append_child_value("label", label)
+    client = LslClient.__new__(LslClient)
+    Client.__init__(client, Address("http://127.0.0.1:1", Path("none")), lambda _: None)
+    client.state = {"preferences": ["arm", "back", "leg"]}
+    client.check(("low",), ("arm or back", "leg"))
+    client._name, client._inlet, client._resolver = "arms", None, SimpleNamespace(results=lambda: [info])
+    opened = SimpleNamespace(info=lambda _: info, open_stream=lambda _: None)
+    monkeypatch.setattr(pylsl, "StreamInlet", lambda *_, **__: opened)
+    if refused:
+        with pytest.raises(SelectionError, match="a number per preference: arm, back, leg"):
+            client._open()
+    else:
+        client._open()
+        assert client._inlet is opened
+        assert client._meaning([0.5, 0.0, 0.25]) == {"likelihood": {"back": 0.5, "leg": 0.0, "arm": 0.25}}
+
+
 @pytest.mark.slow
 def test_other_channels_are_refused(cell: Cell) -> None:
     wrong = pylsl.StreamOutlet(pylsl.StreamInfo(cell.name, "Reactions", 2, pylsl.IRREGULAR_RATE, pylsl.cf_float32, "x"))
     assert cell.client.wait(WAIT_S) == 2
     assert cell.client.stderr is not None
-    assert "its channels are not labelled; should be one text, or a number per reaction: arm, back" in (
+    assert "its channels are not labelled; should be one text, or a number per preference: arm, back" in (
         cell.client.stderr.read()
     )
     del wrong

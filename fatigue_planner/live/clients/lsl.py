@@ -1,7 +1,8 @@
 """Lab Streaming Layer: what a recogniser saw comes in, decisions go out as markers; clocks of other machines corrected.
 
-In: a stream with one sample per cycle, at its end: one text, the reaction's name; or a number per reaction, how likely
-what was measured is under it, with the reactions' names as channel labels. Out: {"cycle": 4, "action": "low"} as text.
+In: a stream with one sample per cycle, at its end: one text, the reaction's name; or a number per preference, how
+likely what was measured is under it, with the preferences' names as channel labels. Out, as text:
+{"cycle": 4, "action": "low"}.
 """
 
 import json
@@ -96,10 +97,11 @@ class LslClient(Client):
             info = inlet.info(OPEN_WAIT_S)
             labels = _labels(info)
             is_text = info.channel_format() == pylsl.cf_string and info.channel_count() == 1
-            if not is_text and sorted(labels) != sorted(self._reactions):
+            preferences = tuple(self.state["preferences"])
+            if not is_text and sorted(labels) != sorted(preferences):
                 raise SelectionError(
                     f"stream {self._name}: its channels are {listed(labels) or 'not labelled'}; should be one text, or "
-                    f"a number per reaction: {listed(self._reactions)}."
+                    f"a number per preference: {listed(preferences)}."
                 )
             inlet.open_stream(OPEN_WAIT_S)
         except UnicodeDecodeError:

@@ -1,7 +1,7 @@
 """What carries a recorded person: the wrenches on the soles, which foot is on which plate, and what nobody measured."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -10,23 +10,38 @@ from numpy.typing import NDArray
 from fatigue_planner.core.text import percent
 from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.multibody import GRAVITY_MPS2
-from fatigue_planner.human.skeleton import SIDES
+from fatigue_planner.human.skeleton import BODIES, SIDES
 from fatigue_planner.motion.contact import WRENCH
 from fatigue_planner.recordings import dynamics
 from fatigue_planner.recordings.content import Remark
 from fatigue_planner.recordings.dynamics import LEAST_N, RAISED_M, Movement, Torques
 from fatigue_planner.recordings.kinematics.measured import Measured
+from fatigue_planner.recordings.kinematics.tracking import longest_run
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-# Somebody or something unmeasured carries where more than this share of the weight is unexplained.
-UNMEASURED_SHARE = 0.1
+# Something unmeasured carries where the force that no plate explains is such a share of the weight for so long, and as
+# far as it is half of that (assumed; good recordings leave 3 %).
+CONTACT_SHARE, CONTACT_S = 0.1, 0.1
 # Lags are looked for up to here, told from there on, and known where both forces are so alike (correlation; assumed).
 LONGEST_LAG_S, LEAST_LAG_S, ALIKE = 0.25, 0.01, 0.7
 LEAST_CHANGE_N = 0.1  # of the force (SD)
 TOLD_SHARE = 0.01  # of the time; what is rarer is not told
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Something that carries a person and that nobody measured: a chair, a table, an object in the hands.
+
+    start, stop: its frames [start, stop); force_n (3,): its mean; body: the one past which it goes nearest.
+    """
+
+    start: int
+    stop: int
+    force_n: Vector
+    body: str
 
 
 def soles_m(person: Measured, configuration: Vector) -> Vector:
@@ -53,7 +68,9 @@ def sole_wrenches(model: pin.Model, motion: Movement, ground: Sequence[GroundFor
         wrenches = [pin.Force.Zero(), pin.Force.Zero()]
         if not ground:
             needed = pin.rnea(model, data, configuration, motion.velocity[n], motion.acceleration[n])[:WRENCH]
-            wrenches = dynamics._shared(data.oMi[1].act(pin.Force(needed)), np.array([s.translation for s in soles]))
+            wrenches = dynamics.shared_by_soles(
+                data.oMi[1].act(pin.Force(needed)), np.array([s.translation for s in soles])
+            )
         for plate, foot in zip(ground, torques.foot[n], strict=True):
             if foot >= 0:
                 wrenches[foot] += pin.Force(plate.force_n[n], plate.moment_nm[n])
@@ -92,11 +109,50 @@ def lag_s(shown_n: Vector, needed_n: Vector, rate_hz: float) -> float | None:
     return float((best - most + 0.5 * (before - after) / (before - 2 * at + after)) / rate_hz)
 
 
-def unmeasured(torques: Torques, mass_kg: float) -> Flags:
-    """The frames (n,) in which somebody or something unmeasured carries."""
-    with np.errstate(invalid="ignore"):
-        force = np.linalg.norm(torques.residual_force_n, axis=1)
-        return np.asarray(force > UNMEASURED_SHARE * mass_kg * GRAVITY_MPS2)
+def unmeasured_contacts(model: pin.Model, motion: Movement, torques: Torques) -> list[Contact]:
+    """What carries the person beside the plates; none if nothing was measured.
+
+    Torques of the legs, the back and all that it loads are not to be believed meanwhile.
+    """
+    weight = pin.computeTotalMass(model) * GRAVITY_MPS2
+    size = np.nan_to_num(np.linalg.norm(torques.residual_force_n, axis=1)) / weight
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], (size > CONTACT_SHARE / 2).astype(int), [0]])))
+    found = []
+    for start, stop in edges.reshape(-1, 2).tolist():
+        own = slice(start, stop)
+        if longest_run(size[own] > CONTACT_SHARE) >= CONTACT_S * motion.rate_hz:
+            force, moment = torques.residual_force_n[own], torques.residual_moment_nm[own]
+            body = _nearest(model, motion.configuration[own], force, moment)
+            found.append(Contact(start, stop, force.mean(axis=0), body))
+    return found
+
+
+def carried(found: Sequence[Contact], frames: int) -> Flags:
+    """The frames (n,) in which something unmeasured carries."""
+    flags = np.zeros(frames, dtype=bool)
+    for contact in found:
+        flags[contact.start : contact.stop] = True
+    return flags
+
+
+def _nearest(model: pin.Model, configuration: Vector, force_n: Vector, moment_nm: Vector) -> str:
+    """The body whose frame is nearest to the lines along which forces act, given with moments about the mid-hip."""
+    data = model.createData()
+    strength = np.linalg.norm(force_n, axis=1)
+    away = np.zeros(len(BODIES))
+    for n in np.argsort(-strength)[: max(1, len(strength) // 2)]:
+        pin.framesForwardKinematics(model, data, configuration[n])
+        along, middle = force_n[n] / strength[n], configuration[n, :3]
+        foot = np.cross(force_n[n], moment_nm[n]) / strength[n] ** 2
+        for index, body in enumerate(BODIES):
+            off = data.oMf[model.getFrameId(body)].act(_middle(model, body)) - middle - foot
+            away[index] += float(np.linalg.norm(off - along * (along @ off)))
+    return BODIES[int(away.argmin())]
+
+
+def _middle(model: pin.Model, body: str) -> Vector:
+    """A body's mass centre in its frame, (3,) m."""
+    return np.asarray(model.inertias[model.frames[model.getFrameId(body)].parentJoint].lever)
 
 
 def on_one_plate(ground: Sequence[GroundForce], on_ground: Flags) -> Flags:

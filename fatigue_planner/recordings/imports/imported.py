@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError
 from fatigue_planner.core.files import DIGEST_LENGTH, digest_of, digests_of_package
-from fatigue_planner.core.text import percent
-from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.payload import HandForce
@@ -22,7 +20,7 @@ from fatigue_planner.recordings import dynamics
 from fatigue_planner.recordings.content import Remark
 from fatigue_planner.recordings.dynamics import Movement, Torques
 from fatigue_planner.recordings.imports import contacts
-from fatigue_planner.recordings.imports.judged import Evidence, quality_of
+from fatigue_planner.recordings.imports.judged import Evidence, quality_of, remarks_of
 from fatigue_planner.recordings.imports.on_ticks import Course, fists_m, loaded, motion_of, origin_m
 from fatigue_planner.recordings.imports.phases import Bounds, bounds_of, given_bounds
 from fatigue_planner.recordings.inference.finding import Finding
@@ -41,10 +39,6 @@ SOURCES = (
     *reaction_key.SOURCES, "recordings/kinematics", "recordings/imports", "recordings/data", "recordings/dynamics.py",
     "recordings/mapping.py", "recordings/recording.py", "recordings/inference/gaps.py",
 )  # fmt: skip
-# What a filter makes of the ends of a recording is no motion.
-ENDS_S = 0.2
-# Loads that plates show and that are given may differ by so much.
-LOAD_KG = 1.0
 
 
 @dataclass(frozen=True)
@@ -99,19 +93,22 @@ def import_recording(
         )
     else:
         bounds, source = given_bounds(phases_s, recording.duration_s), "given"
-    movement = dynamics.movement(person.model(), own.configuration, own.rate_hz)
+    movement = dynamics.movement(person.model(), own.configuration, own.rate_hz, own.cutoff_hz)
     plates = contacts.later(recording.ground, recording.ground_rate_hz, plate_lag_s)
-    ground = dynamics.ground_at(plates, recording.ground_rate_hz, recording.frames, own.rate_hz)
+    ground = dynamics.ground_at(plates, recording.ground_rate_hz, recording.frames, own.rate_hz, own.cutoff_hz)
     torques, wrench = _torques(person, request, movement, ground, bounds)
     origin = origin_m(person, own.configuration)
     motion = motion_of(person, request, Course(movement, torques.torque_nm, wrench), bounds, origin)
-    quality = quality_of(Evidence(person, own, calibration.markers.bodies, torques, ground), request, motion, bounds)
+    found_contacts = contacts.unmeasured_contacts(person.model(), movement, torques)
+    other = contacts.carried(found_contacts, recording.frames)
+    evidence = Evidence(person, own, calibration.markers.bodies, torques, ground, other)
+    quality = quality_of(evidence, request, motion, bounds)
     key = _key(found, static, bounds, plate_lag_s)
     findings = [
         Finding("calibration", f"markers within {1000 * calibration.rms_m:.1f} mm", _lengths(person)),
         Finding("phases", ", ".join(f"{time:.2f}" for time in bounds) + " s", source),
     ]
-    remarks = _remarks(recording, person, request, movement, ground, torques, bounds, plate_lag_s)
+    remarks = remarks_of(recording, evidence, request, movement, found_contacts, bounds, plate_lag_s)
     reaction = Reaction(name, ReactionKey.of_recorded(request, key), motion, quality)
     return Imported(
         reaction,
@@ -155,8 +152,8 @@ def _tracked(
 def _balanced(calibration: Calibration, static: Recording, still: Vector) -> Calibration:
     """The calibration with the trunk's mass where the plates of the static trial, with empty hands, show it."""
     stands = track(calibration, calibration.markers, still, static.rate_hz)
-    motion = dynamics.movement(calibration.person.model(), stands.configuration, static.rate_hz)
-    ground = dynamics.ground_at(static.ground, static.ground_rate_hz, static.frames, static.rate_hz)
+    motion = dynamics.movement(calibration.person.model(), stands.configuration, static.rate_hz, stands.cutoff_hz)
+    ground = dynamics.ground_at(static.ground, static.ground_rate_hz, static.frames, static.rate_hz, stands.cutoff_hz)
     return replace(calibration, person=dynamics.balanced(calibration.person, motion, ground))
 
 
@@ -213,50 +210,3 @@ def _key(found: Interpreted, static: Interpreted | None, bounds: Bounds, plate_l
         "versions": reaction_key.versions(),
     }
     return digest_of(parts)[:DIGEST_LENGTH]
-
-
-def _remarks(
-    recording: Recording,
-    person: Measured,
-    request: MotionRequest,
-    movement: Movement,
-    ground: Sequence[GroundForce],
-    torques: Torques,
-    bounds: Bounds,
-    plate_lag_s: float,
-) -> list[Remark]:
-    """What a user should know of contacts (faults 12 and 13), loads (11), and of lags and ends (15)."""
-    remarks = []
-    if bounds.begin_s < ENDS_S or bounds.end_s > recording.duration_s - ENDS_S:
-        remarks.append(
-            Remark(
-                15, f"a phase comes within {ENDS_S:g} s of an end of the recording, where a filter bends what moves."
-            )
-        )
-    if not ground:
-        return remarks
-    soles = contacts.soles_m(person, movement.configuration)
-    remarks += contacts.plate_remarks(ground, torques, contacts.planted(soles))
-    shown = np.sum([plate.force_n[:, 2] for plate in ground], axis=0)
-    lag = contacts.lag_s(shown, shown + torques.residual_force_n[:, 2], movement.rate_hz)
-    if lag is not None and abs(lag) > max(contacts.LEAST_LAG_S, 0.5 / movement.rate_hz):
-        remarks.append(
-            Remark(
-                15,
-                f"the plates are {1000 * abs(lag):.0f} ms {'late' if lag > 0 else 'early'}; --plate-lag "
-                f"{plate_lag_s + lag:.3f} sets that right.",
-            )
-        )
-    other = contacts.unmeasured(torques, person.mass_kg)
-    phases = phases_of(request.cycle, request.controller.time_step_s)
-    for index, phase in enumerate(phases):
-        begin, end = (int(time * movement.rate_hz) for time in bounds.of(index))
-        own = slice(begin, end + 1)
-        if other[own].any():
-            force = float(torques.residual_force_n[own][other[own], 2].mean())
-            share = percent(float(other[own].mean()), 0)
-            told = f"{phase.name}: something unmeasured carries {force:.0f} N on average, {share} of the time"
-            remarks.append(Remark(13, f"{told}; the phase counts as unmeasured."))
-        elif abs(extra := -float(torques.residual_force_n[own, 2].mean()) / GRAVITY_MPS2) > LOAD_KG:
-            remarks.append(Remark(11, f"{phase.name}: the plates show {extra:+.1f} kg beside body, tool and loads."))
-    return remarks

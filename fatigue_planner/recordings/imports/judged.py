@@ -1,4 +1,4 @@
-"""How good a recording is, phase by phase."""
+"""How good a recording is, phase by phase, and what is to be known of it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,22 +6,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fatigue_planner.core.text import listing, percent
 from fatigue_planner.human.multibody import GRAVITY_MPS2
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.motion.body import MotionRequest
 from fatigue_planner.motion.motion import Motion, Phase
-from fatigue_planner.motion.schedule import runs_of
+from fatigue_planner.motion.schedule import phases_of, runs_of
 from fatigue_planner.reactions.recorded import MAX_LABEL, PhaseQuality, RecordedQuality, largest_load
-from fatigue_planner.recordings.dynamics import Torques
-from fatigue_planner.recordings.imports.contacts import on_one_plate, planted, soles_m, unmeasured
+from fatigue_planner.recordings.content import Remark
+from fatigue_planner.recordings.dynamics import Movement, Torques
+from fatigue_planner.recordings.imports import contacts
+from fatigue_planner.recordings.imports.contacts import on_one_plate, planted, soles_m
 from fatigue_planner.recordings.imports.phases import Bounds
-from fatigue_planner.recordings.kinematics.markers import HANDS
+from fatigue_planner.recordings.kinematics.markers import unmarked_joints
 from fatigue_planner.recordings.kinematics.measured import Measured
 from fatigue_planner.recordings.kinematics.tracking import Track, longest_run
-from fatigue_planner.recordings.recording import GroundForce
+from fatigue_planner.recordings.recording import GroundForce, Recording
 
 Vector = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+
+# What a filter makes of the ends of a recording is no motion.
+ENDS_S = 0.2
+# Loads that plates show and that are given may differ by so much.
+LOAD_KG = 1.0
 
 
 @dataclass(frozen=True)
@@ -33,17 +41,19 @@ class Evidence:
     marked: tuple[str, ...]  # the body of each marker
     torques: Torques
     ground: Sequence[GroundForce]
+    other: Flags  # where something unmeasured carries
 
 
 def quality_of(evidence: Evidence, request: MotionRequest, motion: Motion, bounds: Bounds) -> RecordedQuality:
     """How good the recording is within its bounds, and what that makes of the motion."""
-    wrists = tuple(side for side, hand in zip(SIDES, HANDS, strict=True) if hand not in evidence.marked)
+    assumed = unmarked_joints(evidence.marked)
     held = {
         side: max(
             run.right_kg if side == "right" else run.left_kg
             for run in runs_of(request.tool, request.action, motion.phases)
         )
-        for side in wrists
+        for side in SIDES
+        if f"{side}_wrist" in assumed
     }
     share, joint = largest_load(request.maximum_torque, motion)
     return RecordedQuality(
@@ -51,12 +61,64 @@ def quality_of(evidence: Evidence, request: MotionRequest, motion: Motion, bound
             _phase(evidence, phase, bounds.of(index), motion.time_step_s) for index, phase in enumerate(motion.phases)
         ),
         work_hand_error_m=float(motion.hand_error_m[motion.phase("work")].mean()),
-        assumed_wrists=wrists,
+        assumed_joints=assumed,
         wrist_load_kg=max(held.values(), default=0.0),
         largest_load_share=share,
         largest_load_joint=joint,
         length_factors=evidence.person.factors,
     )
+
+
+def remarks_of(
+    recording: Recording,
+    evidence: Evidence,
+    request: MotionRequest,
+    movement: Movement,
+    found: Sequence[contacts.Contact],
+    bounds: Bounds,
+    plate_lag_s: float,
+) -> list[Remark]:
+    """What a user should know of contacts (faults 12 and 13), loads (11), and of lags and ends (15)."""
+    remarks = []
+    if bounds.begin_s < ENDS_S or bounds.end_s > recording.duration_s - ENDS_S:
+        remarks.append(
+            Remark(
+                15, f"a phase comes within {ENDS_S:g} s of an end of the recording, where a filter bends what moves."
+            )
+        )
+    ground, torques = evidence.ground, evidence.torques
+    if not ground:
+        return remarks
+    soles = contacts.soles_m(evidence.person, movement.configuration)
+    remarks += contacts.plate_remarks(ground, torques, contacts.planted(soles))
+    shown = np.sum([plate.force_n[:, 2] for plate in ground], axis=0)
+    lag = contacts.lag_s(shown, shown + torques.residual_force_n[:, 2], movement.rate_hz)
+    if lag is not None and abs(lag) > max(contacts.LEAST_LAG_S, 0.5 / movement.rate_hz):
+        remarks.append(
+            Remark(
+                15,
+                f"the plates are {1000 * abs(lag):.0f} ms {'late' if lag > 0 else 'early'}; --plate-lag "
+                f"{plate_lag_s + lag:.3f} sets that right.",
+            )
+        )
+    phases = phases_of(request.cycle, request.controller.time_step_s)
+    for index, phase in enumerate(phases):
+        begin, end = (int(time * movement.rate_hz) for time in bounds.of(index))
+        own = slice(begin, end + 1)
+        other = evidence.other[own]
+        if other.any():
+            force = float(torques.residual_force_n[own][other, 2].mean())
+            share = percent(float(other.mean()), 0)
+            near = listing(
+                sorted({one.body.replace("_", " ") for one in found if one.start <= end and one.stop > begin})
+            )
+            told = (
+                f"{phase.name}: something unmeasured near {near} carries {force:.0f} N on average, {share} of the time"
+            )
+            remarks.append(Remark(13, f"{told}; the phase counts as unmeasured."))
+        elif abs(extra := -float(torques.residual_force_n[own, 2].mean()) / GRAVITY_MPS2) > LOAD_KG:
+            remarks.append(Remark(11, f"{phase.name}: the plates show {extra:+.1f} kg beside body, tool and loads."))
+    return remarks
 
 
 def _phase(evidence: Evidence, phase: Phase, ends_s: tuple[float, float], time_step_s: float) -> PhaseQuality:
@@ -74,7 +136,7 @@ def _phase(evidence: Evidence, phase: Phase, ends_s: tuple[float, float], time_s
     on_ground = planted(soles)
     force = moment = carried = shared = None
     if ground:
-        other = unmeasured(torques, evidence.person.mass_kg)[frames]
+        other = evidence.other[frames]
         own = ~other
         weight = evidence.person.mass_kg * GRAVITY_MPS2
         force = _rms(torques.residual_force_n[frames][own]) / weight

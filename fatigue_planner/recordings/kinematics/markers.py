@@ -1,11 +1,13 @@
 """The markers of a recording that are on a body, and where on it they are."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
+from fatigue_planner.human.skeleton import JOINTS
 from fatigue_planner.recordings.mapping import landmark_table, load_mapping
 from fatigue_planner.recordings.recording import Recording
 
@@ -17,7 +19,6 @@ FIRM_M, LOOSE_M = 0.03, 0.08
 SKIN_M = 0.01
 # Bodies without which there is no posture.
 NEEDED = ("pelvis", "thorax", "right_thigh", "left_thigh", "right_shank", "left_shank")
-HANDS = ("right_hand", "left_hand")
 
 
 @dataclass(frozen=True)
@@ -70,3 +71,15 @@ def markers_of(recording: Recording, mapping: str | None, stature_m: float) -> M
         np.array([LOOSE_M if place.loose else FIRM_M for _, place in found]),
         tuple(place.landmark for _, place in found),
     )
+
+
+def unmarked_joints(bodies: Collection[str]) -> tuple[str, ...]:
+    """The joints with none of the marked bodies beyond them, as the wrist without markers on the hand.
+
+    Their postures are assumed, and no torque is reported of them: a guess would be taken for a measurement.
+    """
+    beyond = set(bodies)
+    for joint in reversed(JOINTS):
+        if joint.child in beyond:
+            beyond.add(joint.parent)
+    return tuple(joint.name for joint in JOINTS if joint.child not in beyond)

@@ -125,9 +125,9 @@ def _torques(made: Imported, quality: RecordedQuality, figures: FigureFolder) ->
     shown = [f"{name}_nm" for names in PANELS.values() for name in names if table[f"{name}_nm"].notna().any()]
     words = f"Largest: {largest(table, shown)} N·m."
     blocks: list[Block] = []
-    if quality.assumed_wrists:
-        hands = listing([f"{side} hand" for side in quality.assumed_wrists])
-        blocks.append(Text(f"No marker is on the {hands}: no wrist torque is shown there."))
+    if quality.assumed_joints:
+        joints = listing([joint.replace("_", " ") for joint in quality.assumed_joints])
+        blocks.append(Text(f"No marker shows {joints}: no torque is shown there."))
     caption = "Joint torques of every frame, at the recorded pace, with what passive tissue bears."
     return Section("Joint torques", [*blocks, figures.add("torques", figure, table, caption, words)])
 
