@@ -65,7 +65,11 @@ def test_02_the_tracker_is_silent_for_200_cycles(world: World) -> None:
         assert resumed.counts == session.counts
 
 
-@fails_with("fatigue_planner.live.shift:Shift._correct", "belief, surprised = past[first].belief", "belief, surprised = self.belief")
+@fails_with(
+    "fatigue_planner.live.shift:Shift._correct",
+    "belief, surprised = past[first].belief",
+    "belief, surprised = self.belief",
+)
 def test_07_an_observation_comes_after_the_next_decision(world: World) -> None:
     """It is taken in its place, as if it had come in time; what was decided in the meantime stands."""
     with world.open() as session:
