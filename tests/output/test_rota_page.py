@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import chromium
+from browser import PRINTED_PX, chromium, printed_when_legible
 
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.fatigue.entries import JOINT_GROUPS
@@ -25,8 +25,6 @@ from fatigue_planner.station.line.slots import FREE
 from fatigue_planner.station.statements import MISSED
 
 ENTRY = "right_shoulder_flexion:positive"
-# A4 without its margins of 12 mm, at 96 dots an inch.
-PRINTED_PX = (703, 1031)
 HANDS = ("right_hand", "left_hand")
 RULES = "RULA (right trunk, 11 s), EN 1005-4 (right upper arm raised far, 8 s)"
 
@@ -148,17 +146,7 @@ def test_the_page_is_for_everybody_and_fits_on_one_side(tmp_path: Path, language
         rota_page(rotation_at(line_of(12, 12)), catalogue_of(language)), encoding="utf-8"
     )
     with chromium(tmp_path / "profile") as page:
-        for width in (1400, 390):
-            page.open((tmp_path / "page.html").as_uri(), width)
-            page.until("document.readyState === 'complete' && document.querySelector('.front') !== null")
-            assert page.value("document.documentElement.scrollWidth <= innerWidth"), width
-            assert page.faults() == []
-        assert page.complaints == []
-        page.call("Emulation.setEmulatedMedia", media="print")
-        page.call(
-            "Emulation.setDeviceMetricsOverride", width=PRINTED_PX[0], height=PRINTED_PX[1], deviceScaleFactor=1,
-            mobile=False,
-        )  # fmt: skip
+        printed_when_legible(page, (tmp_path / "page.html").as_uri())
         bottom = "document.querySelector('.front').getBoundingClientRect().bottom + scrollY"
         assert 0.3 * PRINTED_PX[1] < page.value(bottom) < PRINTED_PX[1]
         table = "document.querySelector('.front table')"

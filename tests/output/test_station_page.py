@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import chromium
+from browser import PRINTED_PX, chromium, printed_when_legible
 from commands import fatplan
 from conftest import ROOT
 
@@ -76,8 +76,6 @@ from fatigue_planner.station.workers import facts_of
 PACKAGE = ROOT / "fatigue_planner"
 ENTRY = "right_shoulder_flexion:positive"
 MAX_BYTES = 3_000_000
-# A4 without its margins of 12 mm, at 96 dots an inch.
-PRINTED_PX = (703, 1031)
 KINDS: dict[str, Kind] = {"overhead": "missed", "door": "reached", "floor": "too_weak"}
 
 
@@ -385,17 +383,7 @@ def test_the_fullest_first_side_is_one_sheet_of_paper(
     )
     (tmp_path / "page.html").write_text(station_page(full, postures, catalogue_of(language)), encoding="utf-8")
     with chromium(tmp_path / "profile") as page:
-        for width in (1400, 390):
-            page.open((tmp_path / "page.html").as_uri(), width)
-            page.until("document.readyState === 'complete' && document.querySelector('.front') !== null")
-            assert page.value("document.documentElement.scrollWidth <= innerWidth"), width
-            assert page.faults() == []
-        assert page.complaints == []
-        page.call("Emulation.setEmulatedMedia", media="print")
-        page.call(
-            "Emulation.setDeviceMetricsOverride", width=PRINTED_PX[0], height=PRINTED_PX[1], deviceScaleFactor=1,
-            mobile=False,
-        )  # fmt: skip
+        printed_when_legible(page, (tmp_path / "page.html").as_uri())
         height = "document.querySelector('.front').getBoundingClientRect().height"
         assert 0.5 * PRINTED_PX[1] < page.value(height) < PRINTED_PX[1]
 

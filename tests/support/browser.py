@@ -17,6 +17,8 @@ OPTIONS = [
     "--disable-component-update", "--disable-sync", "--remote-debugging-port=0",
 ]  # fmt: skip
 WAIT_S = 60.0
+# A4 without its margins of 12 mm, at 96 dots an inch.
+PRINTED_PX = (703, 1031)
 # WCAG 2.1, levels A and AA.
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
 
@@ -79,6 +81,19 @@ class Page:
         result = json.loads(ran)
         assert len(result["passes"]) > 5
         return [f"{one['id']}: {node['html'][:200]}" for one in result["violations"] for node in one["nodes"]]
+
+
+def printed_when_legible(page: Page, address: str) -> None:
+    """Check that a station's page fits its window, wide or narrow, and has no faults; then lay it out as printed."""
+    for width in (1400, 390):
+        page.open(address, width)
+        page.until("document.readyState === 'complete' && document.querySelector('.front') !== null")
+        assert page.value("document.documentElement.scrollWidth <= innerWidth"), width
+        assert page.faults() == []
+    assert page.complaints == []
+    page.call("Emulation.setEmulatedMedia", media="print")
+    width, height = PRINTED_PX
+    page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
 
 @contextmanager
