@@ -42,7 +42,7 @@ def assess(
     changes: Annotated[
         bool, typer.Option("--changes", help="Also compute what single changes of the station would do (minutes).")
     ] = False,
-    language: Annotated[str, typer.Option("--language", help="Language of the page: en or de.")] = "en",
+    language: options.PageLanguage = "en",
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     jobs: options.Jobs = options.ALL_CORES,

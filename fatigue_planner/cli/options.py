@@ -53,6 +53,7 @@ Plugins = Annotated[
         "(repeatable).",
     ),
 ]
+PageLanguage = Annotated[str, typer.Option("--language", help="Language of the page: en or de.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
 
 # Restrictions of the grid, as `Selection` has them.

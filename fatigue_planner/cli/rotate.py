@@ -21,7 +21,7 @@ def rotate(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Folder of the results of this line.")
     ] = None,
-    language: Annotated[str, typer.Option("--language", help="Language of the page: en or de.")] = "en",
+    language: options.PageLanguage = "en",
     cache: options.CacheFolder = options.DEFAULT_CACHE,
     results: options.ResultsFolder = options.DEFAULT_RESULTS,
     jobs: options.Jobs = options.ALL_CORES,
