@@ -1,19 +1,18 @@
 """The operators' page in a real browser, beside a real server."""
 
-import shutil
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from browser import Page, chromium
+from browser import Page, chromium, needs_chromium
 from servers import Server, start
 
 from fatigue_planner.live.events import Acknowledged, Rested
 from fatigue_planner.live.face.page import PAGE
 from fatigue_planner.live.journal_file import read_journal
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")]
+pytestmark = [pytest.mark.slow, needs_chromium]
 NEWS = "(document.getElementById('action')?.textContent ?? '–') !== '–'"
 FAINT = {"light": "#808080", "dark": "#666666"}  # of less contrast than 4.5
 

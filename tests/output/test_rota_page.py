@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import PRINTED_PX, chromium, printed_when_legible
+from browser import PRINTED_PX, chromium, needs_chromium, printed_when_legible
 
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.fatigue.entries import JOINT_GROUPS
@@ -140,6 +140,7 @@ def test_a_line_that_cannot_be_manned_has_a_page_that_says_so() -> None:
 
 
 @pytest.mark.slow
+@needs_chromium
 @pytest.mark.parametrize("language", languages())
 def test_the_page_is_for_everybody_and_fits_on_one_side(tmp_path: Path, language: str) -> None:
     (tmp_path / "page.html").write_text(

@@ -3,7 +3,6 @@
 import ast
 import json
 import re
-import shutil
 import string
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from browser import PRINTED_PX, chromium, printed_when_legible
+from browser import PRINTED_PX, chromium, needs_chromium, printed_when_legible
 from commands import fatplan
 from conftest import ROOT
 
@@ -367,7 +366,7 @@ def grid_of(station: Station) -> Station:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
+@needs_chromium
 @pytest.mark.parametrize("language", languages())
 def test_the_fullest_first_side_is_one_sheet_of_paper(
     assessment: StationAssessment, postures: dict[Doing, Posture], language: str, tmp_path: Path

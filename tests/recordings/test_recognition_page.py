@@ -1,12 +1,11 @@
 """The page of a recogniser: what it says is what the recogniser does, and everybody can read it."""
 
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import chromium
+from browser import chromium, needs_chromium
 from test_recognition import CYCLE, repetitions
 
 from fatigue_planner.output.figures.style import FigureFolder
@@ -63,7 +62,7 @@ def test_nothing_is_loaded_and_the_bytes_are_the_same_again(judged: Judged, fold
     }
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
+@needs_chromium
 def test_everybody_can_read_it(folder: Path, tmp_path: Path) -> None:
     with chromium(tmp_path) as tab:
         for width, scheme in ((1400, "light"), (390, "light"), (1400, "dark"), (390, "dark")):

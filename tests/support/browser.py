@@ -1,6 +1,7 @@
 """A page in a headless Chromium, by its DevTools protocol; and axe-core, which finds what some people cannot use."""
 
 import json
+import shutil
 import subprocess
 import time
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from urllib.request import urlopen
 
+import pytest
 from websockets.sync.client import ClientConnection, connect
 
 OPTIONS = [
@@ -17,6 +19,8 @@ OPTIONS = [
     "--disable-component-update", "--disable-sync", "--remote-debugging-port=0",
 ]  # fmt: skip
 WAIT_S = 60.0
+HAS_CHROMIUM = shutil.which("chromium") is not None
+needs_chromium = pytest.mark.skipif(not HAS_CHROMIUM, reason="needs Chromium")
 # A4 without its margins of 12 mm, at 96 dots an inch.
 PRINTED_PX = (703, 1031)
 # WCAG 2.1, levels A and AA.
