@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from fatigue_planner.robot.arm import Arm
 from fatigue_planner.robot.inverse import Freedom, Solution, Surroundings, solve
@@ -137,6 +136,8 @@ class Cell:
 @cache
 def _starts(n_joints: int) -> Vector:
     """Points (STARTS, n) that fill the unit cube evenly, without chance."""
+    from scipy.stats import qmc  # noqa: PLC0415 - takes half a second
+
     return np.asarray(qmc.Halton(n_joints, scramble=False).random(STARTS + 1)[1:])
 
 

@@ -56,6 +56,18 @@ print(sorted(set(sys.modules) & {HEAVY!r}), file=sys.stderr)
     assert done.stderr.splitlines()[-1] == "[]"
 
 
+def test_what_takes_long_to_load_is_loaded_by_those_who_need_it() -> None:
+    code = f"""
+import sys
+from fatigue_planner.cli.entry import execute
+assert execute(["validate", {str(PAPER)!r}]) == 0
+import fatigue_planner.experiment.build
+print(sorted(name for name in sys.modules if name in ("scipy.stats", "scipy.optimize", "matplotlib", "mujoco")))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_a_bad_file_is_refused_soon_and_in_little_memory(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(PAPER.read_text().replace("discount: 0.95", "discount: 2"))
