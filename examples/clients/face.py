@@ -4,20 +4,26 @@ import http.client
 import json
 import os
 import sys
+import time
 import urllib.request
 from pathlib import Path
 from typing import Any
 
 SERVER = os.environ.get("FATPLAN_SERVER", "http://127.0.0.1:8765")
 TOKEN_FILE = Path(os.environ.get("FATPLAN_TOKEN_FILE", "shift.fatplan.act-token"))
+# How long the last answer took to come: what is late here, the server does not see.
+_waited: dict[str, float] = {}
 
 
 def ask(call: str, **said: Any) -> Any:
     """Call the face; its answer. Raises urllib.error.HTTPError with the reason in its body for what is refused."""
     headers = {"Authorization": f"Bearer {TOKEN_FILE.read_text().strip()}"}  # a new one after every start
-    request = urllib.request.Request(f"{SERVER}/v1/{call}", json.dumps(said).encode(), headers)
+    begin = time.monotonic()
+    request = urllib.request.Request(f"{SERVER}/v1/{call}", json.dumps(_waited | said).encode(), headers)
     with urllib.request.urlopen(request, timeout=5) as answer:
-        return json.load(answer)
+        content = json.load(answer)
+    _waited["waited_s"] = time.monotonic() - begin
+    return content
 
 
 def tried(call: str, **said: Any) -> Any:

@@ -85,8 +85,9 @@ def lines(state: "SessionState | None", old_s: float) -> list[str]:
     shown = [f"No news for {old_s:.0f} s: what is shown is old"] if old_s > STALE_S else []
     shown += [*troubles(state), *alarms(state), "", f"Cycle {state.cycle}    next pose: {state.action or '-'}", ""]
     shown += [
-        f"not seen {counts.unseen} ({counts.unseen_in_a_row} in a row)   late {counts.late}   fallback "
-        f"{counts.fallback}   other pose {counts.other_actions}   last cycle ended {state.since_s:.0f} s ago",
+        f"not seen {counts.unseen} ({counts.unseen_in_a_row} in a row)   late {counts.late}, came late "
+        f"{counts.came_late}   fallback {counts.fallback}   other pose {counts.other_actions}   "
+        f"last cycle ended {state.since_s:.0f} s ago",
         f"model: {'fits' if state.fits else 'does not fit'}, {surprises(state)}" if state.advised else "model: off",
         "",
         f"{'joint and direction':34}{'fatigue, 90 % interval':26}load dose, last hour",

@@ -261,6 +261,13 @@ class Cleared(Settings):
     entry: str
 
 
+class CameLate(Settings):
+    """An answer came later than the deadline to the client that had asked, by its own clock; decided late or not."""
+
+    kind: Literal["came_late"] = "came_late"
+    seconds: Seconds
+
+
 class Refused(Settings):
     """Requests that may not pass, by their HTTP status, since this was told last; at most once a second."""
 
@@ -295,6 +302,7 @@ Event = (
     | Alarmed
     | Acknowledged
     | Cleared
+    | CameLate
     | Refused
     | Closed
 )

@@ -30,6 +30,7 @@ from fatigue_planner.live.events import (
     Acknowledged,
     Advice,
     AlarmSettings,
+    CameLate,
     Closed,
     Contradicted,
     Decided,
@@ -357,6 +358,16 @@ class Session:
         """Write into the journal that requests were refused, so many by their HTTP status."""
         with self._lock:
             self._tell(Refused(counts=dict(counts)))
+
+    def waited(self, seconds: float) -> None:
+        """How long a client waited for an answer, by its own clock; journalled if that is beyond the deadline.
+
+        What waits before this program hears it, or after it has answered, only the client sees. Raises EvidenceError.
+        """
+        seconds = said.seconds("waited_s", seconds)
+        with self._lock:
+            if seconds > self._standing.rules.deadline_s:
+                self._tell(CameLate(seconds=seconds))
 
     def note(self, text: str) -> None:
         """Write a remark into the journal."""

@@ -8,7 +8,7 @@ import numpy as np
 from fatigue_planner.core.random_streams import Vector
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.live.doses import Doses
-from fatigue_planner.live.events import Decided, Event, Fallback, Observed, Refused, WorkerChanged
+from fatigue_planner.live.events import CameLate, Decided, Event, Fallback, Observed, Refused, WorkerChanged
 from fatigue_planner.live.pauses import JointLevel, Levels, Passing
 from fatigue_planner.live.shift import Shift
 from fatigue_planner.live.watch import Alarm, Watch
@@ -26,11 +26,15 @@ DEVIATIONS = 1.645  # of a normal distribution, to either side of the mean, hold
 
 @dataclass
 class Counts:
-    """What did not go as planned since the shift began, in cycles; contradicted: observations; refused: requests."""
+    """What did not go as planned since the shift began, in cycles; contradicted: observations; refused: requests.
+
+    late: decided later than the deadline; came_late: answers that came to their client later, as it says itself.
+    """
 
     unseen: int = 0
     unseen_in_a_row: int = 0
     late: int = 0
+    came_late: int = 0
     fallback: int = 0
     other_actions: int = 0
     surprised: int = 0
@@ -53,6 +57,8 @@ class Counts:
                 self.other_actions += decided is not None and event.executed != decided
             case WorkerChanged():
                 self.unseen_in_a_row = 0
+            case CameLate():
+                self.came_late += 1
             case Refused():
                 self.refused += sum(event.counts.values())
             case _:

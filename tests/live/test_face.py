@@ -42,7 +42,7 @@ def test_a_request_is_checked_field_by_field() -> None:
         parse(CALLS["rest"], b"")
     with pytest.raises(EvidenceError, match="body: "):
         parse(CALLS["rest"], b"[" * 50_000)
-    assert parse(CALLS["rest"], b'{"seconds": 3}').plain() == {"seconds": 3.0, "key": None}
+    assert parse(CALLS["rest"], b'{"seconds": 3}').plain() == {"seconds": 3.0, "key": None, "waited_s": None}
 
 
 def test_the_description_is_complete() -> None:
@@ -96,10 +96,14 @@ def test_a_cycle(server: Server) -> None:
     assert "the cycle going on is" in error["error"]
     assert server.call("/v1/rest", {"seconds": 60})[0] == 200
     assert server.call("/v1/note", {"text": "tool changed"}) == (200, None)
+    for waited_s in (0.049, 0.051, 3.0):  # the deadline is 0.05 s
+        assert server.call("/v1/decide", {"waited_s": waited_s})[0] == 200
+    code, error = server.call("/v1/decide", {"waited_s": -1.0})
+    assert (code, error["error"][:14]) == (422, "waited_s -1.0:")
     code, state = server.call("/v1/state", token=server.view)
     assert code == 200
     assert state["cycle"] == following["cycle"]
-    assert state["counts"]["contradicted"] == 1
+    assert (state["counts"]["contradicted"], state["counts"]["late"], state["counts"]["came_late"]) == (1, 0, 2)
     assert {joint["entry"] for joint in state["joints"]} >= {"lumbar_flexion:positive"}
 
 

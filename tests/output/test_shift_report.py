@@ -21,6 +21,7 @@ from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.live.doses import expected_chances
 from fatigue_planner.live.events import (
     Advice,
+    CameLate,
     Closed,
     Decided,
     Event,
@@ -308,12 +309,13 @@ def test_the_journal_names_its_experiment(scenario: fp.Scenario, cache_folder: P
     (tmp_path / "shifts").mkdir()
     (tmp_path / "mine.yaml").write_bytes(PAPER.read_bytes())
     events = shift(scenario, 1, 3, experiment="../mine.yaml", cache=str(cache_folder))
-    events.insert(4, (40.0, Resumed(origin="boot")))
+    events[4:4] = [(40.0, CameLate(seconds=0.08)), (40.0, Resumed(origin="boot"))]
     journal = write_journal(tmp_path / "shifts" / "one.fatplan", stored(events))
     done = fatplan("live", "report", journal, "--output", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "out" / "report.html").read_text()
     assert "started again once." in page
+    assert re.search(r"came to the client later than 50 ms.*?1; 80 ms", page, re.S)
 
 
 def test_parts_have_planned_durations_of_their_own(scenario: fp.Scenario) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from fatigue_planner.core.errors import FaceRefusedError, FaceUnreachableError, SelectionError, shortened
+from fatigue_planner.live.events import MAX_SECONDS
 
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 TIMEOUT_S = 10.0
@@ -81,6 +82,8 @@ class Address:
 class Connection:
     """Calls of the face, one at a time, on a connection that is kept and made anew when it breaks.
 
+    With every call it says how long the answer before took to come, which only this end knows.
+
     patience_s: how long a face that is away is tried again, as while it starts anew.
     """
 
@@ -89,6 +92,7 @@ class Connection:
         self.restarts = 0
         self._connection: http.client.HTTPConnection | None = None
         self._token, self._sent = "", False
+        self._waited_s: float | None = None
         self._kept: deque[tuple[int, str, dict[str, Any]]] = deque(maxlen=MAX_KEPT)
 
     def call(self, name: str, **said: Any) -> Answer | None:
@@ -98,7 +102,10 @@ class Connection:
         repeated, such as a pause without a key, is not said again where it is not known whether it was heard.
         """
         may_repeat = name in REPEATABLE or said.get("key") is not None
-        content = self._ask("POST", f"/v1/{name}", said, may_repeat)
+        told = said if self._waited_s is None else {**said, "waited_s": self._waited_s}
+        begin = time.monotonic()
+        content = self._ask("POST", f"/v1/{name}", told, may_repeat)
+        self._waited_s = min(time.monotonic() - begin, MAX_SECONDS)
         if content is None:
             return None
         answer = _answer(content)

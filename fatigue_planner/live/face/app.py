@@ -21,7 +21,7 @@ from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.face.description import openapi
 from fatigue_planner.live.face.guard import HEADERS, Guard, Tokens
 from fatigue_planner.live.face.page import PAGE, PAGE_HEADERS
-from fatigue_planner.live.face.requests import CALLS, Request, parse
+from fatigue_planner.live.face.requests import CALLS, parse
 from fatigue_planner.live.session import Session
 
 # Those who watch get the newest state so often, and after every change.
@@ -62,10 +62,12 @@ class Face:
     async def _call(self, request: HttpRequest) -> Response:
         name = request.url.path.rpartition("/")[2]
         try:
-            said: Request = parse(CALLS[name], await request.body())
+            said = dict(parse(CALLS[name], await request.body()))
+            if (waited_s := said.pop("waited_s")) is not None:
+                self._session.waited(waited_s)
             call = self._move if name == "clock" else getattr(self._session, name)
             # what must be compiled first keeps nobody waiting
-            told = partial(call, **dict(said))
+            told = partial(call, **said)
             answer = await asyncio.to_thread(told) if name == "configure" else told()
         except FatplanError as error:
             code = 409 if isinstance(error, ContradictionError) else 422

@@ -13,6 +13,12 @@ MAX_TEXT_LENGTH = 500
 class Request(Settings):
     """The body of a call."""
 
+    waited_s: float | None = Field(
+        default=None,
+        description="How long you waited for the answer before this one, in s by your own clock, from before you "
+        "asked. Beyond the deadline it is counted.",
+    )
+
 
 class Decide(Request):
     """What to do in a cycle."""

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 
 from fatigue_planner.core.text import fixed, listing, percent, times
-from fatigue_planner.live.events import ClockSet, Decided, Executed, Observed
+from fatigue_planner.live.events import CameLate, ClockSet, Decided, Executed, Observed
 from fatigue_planner.output.reports.page import Block, Points, Section, Table, Text
 from fatigue_planner.output.reports.shift.data import ShiftData
 
@@ -37,6 +37,7 @@ def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Secti
         deadline_s = data.parts[-1].segment.opened.deadline_s
         rows = [
             [f"later than the deadline of {1000 * deadline_s:g} ms", _share([one.late for one in decided], exactly)],
+            *_came_late(data, worker, deadline_s),
             ["read from what had been prepared", _share([one.prepared for one in decided], exactly)],
             ["decided by a fallback", _share([_fell_back(one, off) for one in decided], exactly)],
             ["time of an answer: median", f"{np.median(times_ms):.2f} ms"],
@@ -51,6 +52,17 @@ def running_section(data: ShiftData, worker: str | None, exactly: bool) -> Secti
         blocks.append(Text("Nothing was decided."))
     blocks.append(Points(_events(data)))
     return Section("How the program ran", blocks)
+
+
+def _came_late(data: ShiftData, worker: str | None, deadline_s: float) -> list[list[str]]:
+    """Answers that came late to the client, of the whole shift; nobody says of them whose cycle it was."""
+    waited_s = [
+        aside.event.seconds for part in data.parts for aside in part.segment.asides if isinstance(aside.event, CameLate)
+    ]
+    if worker is not None or not waited_s:
+        return []
+    what = f"came to the client later than {1000 * deadline_s:g} ms, as it says; longest"
+    return [[what, f"{len(waited_s)}; {1000 * max(waited_s):.0f} ms"]]
 
 
 def _fell_back(one: Decided, off: set[int]) -> bool:
