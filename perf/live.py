@@ -37,15 +37,19 @@ DEADLINE_S = 0.05
 
 
 class SimulatedClock(fp.Clock):
-    """A clock that a rehearsal moves."""
+    """A clock that is moved on, and then read as fast as a machine's."""
 
-    now_s = 0.0
+    now_s, _utc = 0.0, datetime(2026, 1, 1, tzinfo=UTC)
+
+    def pass_by(self, seconds: float) -> None:
+        self.now_s += seconds
+        self._utc += timedelta(seconds=seconds)
 
     def seconds(self) -> float:
         return self.now_s
 
     def utc(self) -> datetime:
-        return datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=self.now_s)
+        return self._utc
 
     def origin(self) -> str:
         return "simulated"
@@ -64,7 +68,7 @@ def worked(session: fp.Session, clock: SimulatedClock, count: int, seen: Iterato
     times, decision = [], session.decide()
     for _ in range(count):
         assert session._table.wait(60)
-        clock.now_s += CYCLE_S
+        clock.pass_by(CYCLE_S)
         one = next(seen)
         begin = time.perf_counter()
         decision = session.observe(decision.cycle, observation=one)

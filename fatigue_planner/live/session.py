@@ -7,8 +7,8 @@ that may be recognised, and for none, while the worker works; what is answered t
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -91,6 +91,29 @@ class CycleDecision:
     durable_up_to: int
 
 
+class _Turn:
+    """One call at a time: `with turn as began`, by a clock that stands while the machine sleeps.
+
+    Not a generator, which takes as long as the tenth part of an answer.
+    """
+
+    def __init__(self, lock: threading.Lock, look_around: Callable[[], None]) -> None:
+        self._lock, self._look_around = lock, look_around
+
+    def __enter__(self) -> float:
+        began = time.perf_counter()
+        self._lock.acquire()
+        try:
+            self._look_around()
+        except BaseException:
+            self._lock.release()
+            raise
+        return began
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+
 class Session:
     """A shift: ask what to do, say what was done and seen. Calls may come from several threads.
 
@@ -118,6 +141,7 @@ class Session:
         self._watch, self._clock_watch = watch, ClockWatch(clock)
         self._table.look, self._table.foresee = self._look, self._foresee
         self._lock, self._changing = threading.Lock(), threading.Lock()
+        self._turn = _Turn(self._lock, self._look_around)
         self._recorded = self._resumed_at = -1
 
     @property
@@ -192,7 +216,7 @@ class Session:
         cycle: if it is the one after that which was decided last, nothing was seen of that. Raises CycleError for any
         other.
         """
-        with self._turn() as began:
+        with self._turn as began:
             done = self._standing.done
             if cycle == self._shift.cycle + 1 and self._standing.pending is not None and done is not None:
                 unseen = self._kept(Observed(cycle=self._shift.cycle, executed=done))
@@ -207,7 +231,7 @@ class Session:
         It counts where nothing else is said when the cycle ends. Said again, it changes nothing. Raises CycleError for
         a cycle that is neither going on nor among the last ones, ContradictionError if something else was said before.
         """
-        with self._turn() as began:
+        with self._turn as began:
             if action is not None:
                 said.check_action("action", action, self._shift.scenario.model)
             said.check_cycle(cycle, self._shift)
@@ -245,7 +269,7 @@ class Session:
         late. Raises CycleError for another cycle, ContradictionError if something else was said before, EvidenceError
         for what is no observation.
         """
-        with self._turn() as began:
+        with self._turn as began:
             event = self._checked(cycle, executed, observation, likelihood, duration_s)
             before = self._shift.recent(cycle)
             if before is None:
@@ -264,7 +288,7 @@ class Session:
         cycle: with it, what is said again changes nothing. Raises CycleError if it is another than the one going on and
         was not skipped.
         """
-        with self._turn() as began:
+        with self._turn as began:
             if cycle is not None and cycle != self._shift.cycle:
                 said.check_cycle(cycle, self._shift)
                 if not isinstance(self._shift.recent(cycle), Skipped):
@@ -282,7 +306,7 @@ class Session:
         key: a text that names this pause and nobody; with it, what is said again changes nothing. Of a worker who wants
         no belief about him no pause is kept. Raises ContradictionError if that pause was said to be of another length.
         """
-        with self._turn() as began:
+        with self._turn as began:
             event = Rested(seconds=said.seconds("seconds", seconds), key=said.key(key))
             before_s = self._standing.rested_s(event.key)
             if before_s is not None and before_s != event.seconds:
@@ -294,7 +318,7 @@ class Session:
     def worker(self, pseudonym: str) -> CycleDecision:
         """From now on another worker, by a pseudonym; one who was here before has rested in between."""
         pseudonym = said.pseudonym(pseudonym)
-        with self._turn() as began:
+        with self._turn as began:
             random = self._journal.workers.get(pseudonym)
             if random is None:
                 random = secrets.token_hex(8)
@@ -310,7 +334,7 @@ class Session:
         It holds from the next cycle on. Switched off, what was believed of him is forgotten at once, and of a cycle
         only what the robot did is kept; switched on again, he is a newcomer.
         """
-        with self._turn() as began:
+        with self._turn as began:
             self._take(Advice(on=on))
             return self._decided(began)
 
@@ -339,7 +363,7 @@ class Session:
                 now.safe_action,
                 1,
             )
-            with self._turn() as began:
+            with self._turn as began:
                 rules = replace(rules, cycle=self._shift.cycle + 1)
                 self._record(rules.event())
                 self._rule(rules)
@@ -371,7 +395,7 @@ class Session:
 
     def note(self, text: str) -> None:
         """Write a remark into the journal."""
-        with self._turn():
+        with self._turn:
             try:
                 self._record(Noted(text=text[:MAX_NOTE_LENGTH]))
             except ValueError as error:
@@ -445,16 +469,12 @@ class Session:
             self._searcher.close()
         self._table.close()
 
-    @contextmanager
-    def _turn(self) -> Iterator[float]:
-        """One call at a time; when it began, by a clock that stands while the machine sleeps."""
-        began = time.perf_counter()
-        with self._lock:
-            for event in self._clock_watch.look():
-                self._record(event)
-            for why in self._searcher.faults() if self._searcher else ():
-                self._record(SearchFailed(why=why))
-            yield began
+    def _look_around(self) -> None:
+        """Record what has happened since the turn before. To be called in a turn."""
+        for event in self._clock_watch.look():
+            self._record(event)
+        for why in self._searcher.faults() if self._searcher else ():
+            self._record(SearchFailed(why=why))
 
     def _decided(self, began: float) -> CycleDecision:
         standing = self._standing
