@@ -108,6 +108,8 @@ crew:
 
 shift: {{hours: 8, breaks: [{{at_min: 120, minutes: 15}}, {{at_min: 270, minutes: 30}}]}}
 slots: 8                            # equally long times of work, between which workers may change places
+# Where a rule forbids even the best that a worker can do: said (the worker may work there, and that is said), left_out.
+forbidden: said
 # What is balanced: acceptable_effort (of all joints), dose (damage), cumulative_strain_index (of the hands).
 measure: acceptable_effort
 """

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fatigue_planner.core.errors import ExperimentError, OutputFolderError, listed
+from fatigue_planner.core.errors import ExperimentError, OutputFolderError, listed, shortened
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,11 +51,13 @@ def find_shipped(path: Path) -> Path:
 def file_named_in(path: Path, key: str, named: str) -> Path:
     """The file that the file `path` names: relative to its folder or, where there is none, one that ships by its name.
 
-    Raises ExperimentError like `find_shipped`, with the file and its key.
+    Raises ExperimentError with the file and its key if that is no file, or like `find_shipped`.
     """
     beside = path.parent / named
-    if beside.is_file() or not _NAME.fullmatch(named):
+    if beside.is_file():
         return beside
+    if not _NAME.fullmatch(named):
+        raise ExperimentError(f"{path}: {key} = {shortened(named)}: {beside} is no file.")
     try:
         return find_shipped(Path(named))
     except ExperimentError as error:

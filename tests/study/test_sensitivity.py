@@ -134,7 +134,7 @@ def study(tmp_path: Path) -> Study:
         ({"grid": STUDY["grid"] | {"further_policies": {"greedy": {"kind": "greedy"}}}}, "has a policy of this name"),
         ({"name": "paper"}, "name = 'paper': is the base experiment's"),
         ({"hedline": 1}, "hedline: unknown key; did you mean 'headline'?"),
-        ({"base": "none.yaml"}, "none.yaml: cannot be read"),
+        ({"base": "none.yaml"}, "study.yaml: base = 'none.yaml': "),
     ],
 )  # fmt: skip
 def test_faulty_studies_are_refused_with_one_message(tmp_path: Path, changes: dict[str, Any], expected: str) -> None:

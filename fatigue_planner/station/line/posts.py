@@ -19,7 +19,7 @@ from fatigue_planner.station.statements import rules_named, why_not
 class Post:
     """A worker at a station, at the places that are recommended there, or else at the own best.
 
-    demand     what a cycle asks of the worker; None if he or she cannot or may not work there
+    demand     what a cycle asks of the worker; None if he or she cannot or does not work there
     why_not    why the worker cannot; empty if that is only stated
     level      the worst level of the whole cycle that is certain by a binding indicator
     rules      the indicators that forbid the cycle even so; empty if none does
@@ -37,8 +37,17 @@ class Post:
 STATED = Post(None)
 
 
-def post_of(found: Examined, worker: str, cycle_s: float, cache: ReactionCache, command: str) -> Post:
-    """A worker at a station that was examined, whose cycle lasts so long. Raises what `ReactionCache.stream` raises."""
+# Of a post that the file leaves out because a rule forbids it.
+FORBIDDEN = "the work is not acceptable by {rules}, even at the best place"
+
+
+def post_of(
+    found: Examined, worker: str, cycle_s: float, cache: ReactionCache, command: str, as_allowed: bool = False
+) -> Post:
+    """A worker at a station that was examined, whose cycle lasts so long.
+
+    as_allowed: what a rule forbids is not done. Raises what `ReactionCache.stream` raises.
+    """
     doings = found.doings(worker, found.best.places)
     if not doings:
         return Post(None, tuple(_obstacles(found, worker)))
@@ -49,6 +58,8 @@ def post_of(found: Examined, worker: str, cycle_s: float, cache: ReactionCache, 
     )
     verdict = judge(case)
     rules = rules_named(verdict.by) if verdict.level == Level.NOT_ACCEPTABLE else ""
+    if rules and as_allowed:
+        return Post(None, (Phrase(FORBIDDEN, {"rules": rules}),), verdict.level)
     return Post(Demand.of(Job(operations, Shift(cycle_s=cycle_s))), (), verdict.level, rules, verdict.fatigue)
 
 

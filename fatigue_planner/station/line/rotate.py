@@ -87,7 +87,9 @@ def rotation_of(
         worker: {
             station: STATED
             if station in member.not_at
-            else post_of(by_station[station], worker, line.cycle_s(station), cache, command)
+            else post_of(
+                by_station[station], worker, line.cycle_s(station), cache, command, line.line.forbidden == "left_out"
+            )
             for station in line.stations
         }
         for worker, member in line.line.crew.items()

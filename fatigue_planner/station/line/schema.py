@@ -53,6 +53,11 @@ class Line(Settings):
     slots: int = Field(
         default=8, ge=1, le=8, description="How many slots, equally long, the working time is divided into."
     )
+    forbidden: Literal["said", "left_out"] = Field(
+        default="said",
+        description="A worker at a station where a rule forbids even the best that he or she can do there. said: may "
+        "work there, and that is said; left_out: does not.",
+    )
     measure: MeasureName = Field(
         default="acceptable_effort",
         description="What is balanced. acceptable_effort: effort over the maximum acceptable effort of the joints; "

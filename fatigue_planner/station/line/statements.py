@@ -10,6 +10,7 @@ from fatigue_planner.station.line.rotate import CrewRotation
 STATED_NOT = "as the file of the line says (not_at)"
 NOT_ALLOWED = "{worker} at {station}: the work is not acceptable by {rules}, even at the best place"
 UNMANNED = "The stations cannot be manned all the time by those who can work at them"
+FOR_NOBODY = "Nobody of the crew can work at {station}"
 # What the rotation gains.
 LARGEST = "The largest load over acceptable load of a worker is {largest:.2f}, with {changes} changes of place"
 NOT_PROVEN = "That is not proven to be the least: nothing is below {bound:.2f} and {changes} changes"
@@ -58,6 +59,9 @@ def of_gain(found: CrewRotation) -> Iterator[Phrase]:
     """What the best rota comes to, beside staying and going on every hour."""
     if found.advice is None:
         yield Phrase(UNMANNED)
+        for station in found.line.stations:
+            if all(own[station].demand is None for own in found.posts.values()):
+                yield Phrase(FOR_NOBODY, {"station": station})
         return
     advice, best = found.advice, found.advice.best
     yield Phrase(LARGEST, {"largest": best.largest, "changes": best.changes})

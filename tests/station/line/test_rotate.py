@@ -57,7 +57,8 @@ def folder(tmp_path: Path) -> Path:
     ({"crew": {"a": {"percentile": 5, "sex": "female"}}}, "crew: 1 worker cannot man 2 stations all the time"),
     ({"slots": 9}, "slots = 9"),
     ({"measure": "pulse"}, "measure = 'pulse'"),
-    ({"stations": {"high": {"file": "none.yaml"}}}, "none.yaml"),
+    ({"stations": {"high": {"file": "none.yaml"}}}, "line.yaml: stations.high.file = 'none.yaml': "),
+    ({"forbidden": "warn"}, "forbidden = 'warn'"),
     ({"stations": {"low": {"file": "low.yaml", "cycles_per_hour": 400}}},
      "stations.low.cycles_per_hour = 400: the operations take 12 s with their ways; at most 300"),
     ({"speed": 3}, "speed"),
@@ -183,4 +184,9 @@ def test_a_line_from_its_file_to_its_rota(folder: Path) -> None:
         (folder / f"{name}.yaml").write_text((folder / f"{name}.yaml").read_text().replace("binding: []\n", ""))
     again = fatplan("rotate", folder / "line.yaml", *where, "--jobs", "1")
     assert again.returncode == 0 and f"of a worker is {advice['largest']:.2f}" in again.stdout
-    assert "  P5 at high: the work is not acceptable by EN 1005-4 (right upper arm raised far, " in again.stdout
+    forbids = "the work is not acceptable by EN 1005-4 (right upper arm raised far, "
+    assert f"  P5 at high: {forbids}" in again.stdout
+    (folder / "line.yaml").write_text(LINE + "forbidden: left_out\n")
+    left_out = fatplan("rotate", folder / "line.yaml", *where, "--jobs", "1")
+    assert left_out.returncode == 0 and f"  P5 does not work at high: {forbids}" in left_out.stdout
+    assert "  Nobody of the crew can work at high." in left_out.stdout and "at low" not in left_out.stdout
