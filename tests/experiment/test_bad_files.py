@@ -476,7 +476,7 @@ LEVELS = "{always: {tool.held: cycle}, at_work: {tool.held: work}}"
 RANGE = "from: 1.6, to: 1.9"
 BAD_STUDIES = [
     ("base: paper.yaml", "base: ''", "base = '': string should have at least 1 character."),
-    ("base: paper.yaml", "base: none.yaml", "/"),
+    ("base: paper.yaml", "base: none.yaml", "base = 'none.yaml': "),
     ("points: 64", "points: 65", "space_filling: points = 65: should be a power of two"),
     ("seed: 1", "seed: 1e3", "space_filling.seed = 1000.0: input should be a valid integer."),
     ("seed: 1", f"seed: {2**63}", "space_filling.seed = 9223372036854775808: input should be less than"),
