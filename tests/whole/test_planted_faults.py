@@ -21,7 +21,7 @@ from planted_faults import FAULTS, Fault
 PARTS = (
     "fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md", "LICENSE",
 )  # fmt: skip
-MAX_SECONDS = 900
+MAX_SECONDS = 600
 # How a message begins where a test found another result than it expects; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
 
