@@ -57,7 +57,9 @@ def file_named_in(path: Path, key: str, named: str) -> Path:
     if beside.is_file():
         return beside
     if not _NAME.fullmatch(named):
-        raise ExperimentError(f"{path}: {key} = {shortened(named)}: {beside} is no file.")
+        raise ExperimentError(
+            f"{path}: {key} = {shortened(named)}: there is no such file; a path is meant from the folder of this file."
+        )
     try:
         return find_shipped(Path(named))
     except ExperimentError as error:
