@@ -74,7 +74,8 @@ def test_a_bad_file_is_refused_soon_and_in_little_memory(tmp_path: Path) -> None
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert finished("validate", path).returncode == 2
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 6  # it takes less than 1 s on a quiet machine
+    # less than 1 s on a quiet machine
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 6
     assert finished("--version").stdout.startswith("fatplan ")
 
 
