@@ -16,7 +16,7 @@ help:
 	@echo "make paper-figures  set up, simulate, run the paper's grid; report, figures and tables in results/paper"
 	@echo "make test           lint, types and tests (under 5 minutes on 2 cores)"
 	@echo "make docs           build the documentation: docs/build/index.html"
-	@echo "make test-all       the same, then the slow tests (under 40 minutes in all)"
+	@echo "make test-all       the same, then the slow tests (under an hour in all)"
 	@echo "make bench          measure speed as ratios, also to placo, C++ and pomdp-py (set up in the user's cache)"
 	@echo "make install        set up only; then: $(BIN)/fatplan --help"
 	@echo "make clean          remove the virtual environment"
