@@ -59,10 +59,10 @@ class Page:
         return found["result"].get("value")
 
     def until(self, expression: str) -> None:
-        """Wait until an expression is true."""
+        """Wait until an expression is true; one that fails, as where a page is not there yet, is not."""
         end = time.monotonic() + WAIT_S
-        while not self.value(expression):
-            assert time.monotonic() < end, (expression, self.value("document.body.innerText"), self.complaints)
+        while not self.value(f"(() => {{ try {{ return {expression} }} catch {{ return false }} }})()"):
+            assert time.monotonic() < end, (expression, self.value("document.body?.innerText"), self.complaints)
             time.sleep(0.05)
 
     def open(self, address: str, width: int, scheme: str = "light") -> None:

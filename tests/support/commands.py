@@ -36,7 +36,16 @@ def fatplan(*arguments: object, cwd: Path | None = None) -> subprocess.Completed
     return subprocess.CompletedProcess(words, code, out.getvalue(), err.getvalue())
 
 
-def process(*arguments: object, env: Mapping[str, str] | None = None, **options: Any) -> subprocess.Popen[str]:
+class Running(subprocess.Popen[str]):
+    """A process that is ended where a test fails beside it: `with` would wait for ever for one that serves."""
+
+    def __exit__(self, kind: type[BaseException] | None, *others: Any) -> None:
+        if kind is not None:
+            self.kill()
+        super().__exit__(kind, *others)
+
+
+def process(*arguments: object, env: Mapping[str, str] | None = None, **options: Any) -> Running:
     """A command as a process of its own that has begun; a shell's background jobs ignore SIGINT, it does not."""
 
     def begin() -> None:
@@ -47,7 +56,7 @@ def process(*arguments: object, env: Mapping[str, str] | None = None, **options:
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
     command = [*FATPLAN, *map(str, arguments)]
     environment = os.environ | (PLAIN if env is None else env)
-    return subprocess.Popen(command, text=True, env=environment, preexec_fn=begin, **streams)  # noqa: PLW1509
+    return Running(command, text=True, env=environment, preexec_fn=begin, **streams)
 
 
 def finished(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
