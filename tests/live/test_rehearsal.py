@@ -73,7 +73,7 @@ BROKEN = {
     "tracker_contradictory": "Session._contradict = lambda self, event, why: None",
     "tracker_late": "import fatigue_planner.live.shift as shift\n"
     "shift.Shift._correct = lambda self, event: None",
-    "pause": "take = Session.rest\nSession.rest = lambda self, seconds: take(self, seconds / 2)",
+    "pause": "take = Session.rest\nSession.rest = lambda self, seconds, key: take(self, seconds / 2, key)",
     "worker_swaps": "import fatigue_planner.live.shift as shift\nchange = shift.Shift._change\n"
     "def same(self, event):\n    belief = self.belief\n    change(self, event)\n    self.belief = belief\n"
     "shift.Shift._change = same",
