@@ -20,10 +20,11 @@ def ask(call: str, **said: Any) -> Any:
     headers = {"Authorization": f"Bearer {TOKEN_FILE.read_text().strip()}"}  # a new one after every start
     begin = time.monotonic()
     request = urllib.request.Request(f"{SERVER}/v1/{call}", json.dumps(_waited | said).encode(), headers)
-    with urllib.request.urlopen(request, timeout=5) as answer:
-        content = json.load(answer)
-    _waited["waited_s"] = time.monotonic() - begin
-    return content
+    try:
+        with urllib.request.urlopen(request, timeout=5) as answer:
+            return json.load(answer)
+    finally:
+        _waited["waited_s"] = time.monotonic() - begin
 
 
 def tried(call: str, **said: Any) -> Any:

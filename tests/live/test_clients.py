@@ -1,16 +1,21 @@
 """What a robot's client believes: scripted echoes, and what it then says to the face."""
 
 import json
+import runpy
 import threading
 import time
+import urllib.error
+from collections.abc import Callable
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import ROOT
 
-from fatigue_planner.core.errors import SelectionError
-from fatigue_planner.live.clients.connection import Address, Answer, is_state
+from fatigue_planner.core.errors import FaceRefusedError, SelectionError
+from fatigue_planner.live.clients.connection import Address, Answer, Connection, is_state
 from fatigue_planner.live.clients.robot import Echo, RobotClient, RobotLink
 
 
@@ -178,3 +183,57 @@ def test_a_state_that_is_none_is_not_believed(tmp_path: Path) -> None:
             client.run(threading.Event())
         server.shutdown()
     assert link.written == [(2, 1)]
+
+
+SLOW_S = 0.1
+
+
+class Slow(BaseHTTPRequestHandler):
+    """A face whose first answer comes late, and which then refuses twice; how long the client says it waited."""
+
+    waited_s: list[float | None]
+
+    def do_POST(self) -> None:
+        said = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
+        self.waited_s.append(said.get("waited_s"))
+        number = len(self.waited_s)
+        if number == 1:
+            time.sleep(SLOW_S)
+        content = {"cycle": 1, "action": "low", "fallback": "none", "recorded": 1, "durable_up_to": 1}
+        body = json.dumps(content if number not in (2, 3) else {"error": "no"}).encode()
+        self.send_response(200 if number not in (2, 3) else 409)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+def shipped(address: Address, _: pytest.MonkeyPatch) -> Callable[[], object]:
+    return Connection(address).decide
+
+
+def sketch(address: Address, monkeypatch: pytest.MonkeyPatch) -> Callable[[], object]:
+    monkeypatch.setenv("FATPLAN_SERVER", address.url)
+    monkeypatch.setenv("FATPLAN_TOKEN_FILE", str(address.token_file))
+    ask = runpy.run_path(str(ROOT / "examples" / "clients" / "face.py"))["ask"]
+    return lambda: ask("decide")
+
+
+@pytest.mark.parametrize("client", [shipped, sketch])
+def test_a_late_answer_is_told_once(client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where what tells it is refused: the face has counted it, and the refusal is the answer before the next."""
+    token = tmp_path / "token"
+    token.write_text("secret")
+    Slow.waited_s = []
+    with ThreadingHTTPServer(("127.0.0.1", 0), Slow) as server:
+        threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
+        decide = client(Address(f"http://127.0.0.1:{server.server_port}", token), monkeypatch)
+        for _ in range(4):
+            with suppress(FaceRefusedError, urllib.error.HTTPError):
+                decide()
+        server.shutdown()
+    first, *told = Slow.waited_s
+    assert first is None and told[0] is not None and told[0] >= SLOW_S
+    assert len(set(told)) == 3  # each its own time

@@ -104,8 +104,10 @@ class Connection:
         may_repeat = name in REPEATABLE or said.get("key") is not None
         told = said if self._waited_s is None else {**said, "waited_s": self._waited_s}
         begin = time.monotonic()
-        content = self._ask("POST", f"/v1/{name}", told, may_repeat)
-        self._waited_s = min(time.monotonic() - begin, MAX_SECONDS)
+        try:
+            content = self._ask("POST", f"/v1/{name}", told, may_repeat)
+        finally:  # a refusal, too, has heard how long the one before took
+            self._waited_s = min(time.monotonic() - begin, MAX_SECONDS)
         if content is None:
             return None
         answer = _answer(content)
