@@ -241,7 +241,7 @@ def test_a_scheduler_that_is_lost_is_one_error(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("nanny", "threads"), [(False, 1), (True, 2)])
+@pytest.mark.parametrize(("nanny", "threads"), [(True, 1), (False, 1), (True, 2)])
 def test_a_benchmark_whose_workers_are_killed_ends_in_the_same_bytes(
     cells: list[Cell], tmp_path: Path, nanny: bool, threads: int, capfd: pytest.CaptureFixture[str]
 ) -> None:

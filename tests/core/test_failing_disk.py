@@ -163,7 +163,9 @@ def test_a_full_disk_at_some_calls_damages_nothing(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("number", "for_good"), [(errno.ENOSPC, True), (errno.EIO, False)])
+@pytest.mark.parametrize(
+    ("number", "for_good"), [(errno.ENOSPC, False), (errno.EIO, False), (errno.ENOSPC, True), (errno.EIO, True)]
+)
 def test_a_broken_disk_at_any_call_damages_nothing(
     small: Experiment,
     undisturbed: tuple[Remembering, list[str], Any],

@@ -316,14 +316,14 @@ ALL = list(
 
 
 def searched(everything: bool) -> dict[tuple[str, ...], Any]:
-    """Trees and lookahead values of all cases: 60 descents of each combination of parts, or 120 of some."""
+    """Trees and lookahead values of all cases: 120 descents of each combination of parts."""
     found: dict[tuple[str, ...], Any] = {}
     for name, belief in beliefs().items():
         fatigue = isinstance(belief.model, FatiguePomdp)
         for parts in ALL if everything else SOME_FATIGUE if fatigue else SOME:
             c = 0.01 if fatigue else 50.0
             others = {"exploration": parts[1], "leaf_value": parts[2], "rollout_cycles": 3}
-            tree = tree_of(belief, pomcp(60 if everything else 120, c, parts[0], **others))
+            tree = tree_of(belief, pomcp(120, c, parts[0], **others))
             found[name, *parts] = {field: tree[field].tobytes() for field in tree.dtype.names}
         for leaf in dict.fromkeys(parts[2] for parts in ALL) if everything else ["none"]:
             found[name, leaf] = lookahead(belief, 3, leaf_value=leaf, rollout_cycles=3).tobytes()

@@ -19,7 +19,7 @@ from fatigue_planner.core.files import LEFT_BEHIND_AFTER_S, left_behind, remove_
 
 FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run()"]
 # How often each command is killed, at most so often in a row before it may end.
-KILLS, IN_A_ROW = 30, 6
+KILLS, IN_A_ROW = 102, 6
 
 
 class Command:

@@ -18,13 +18,17 @@ from dask_clusters import Cluster, cluster
 SUPPORT = Path(__file__).parents[1] / "support"
 # kind, workers, order of work, hash seed, how many kills
 LOCAL = [
-    ("processes", 1, 1, "1", 0), ("processes", 2, 2, "random", 0), ("processes", 3, 3, "2", 3),
-    ("threads", 1, 4, "3", 0), ("threads", 2, 5, "random", 3), ("threads", 8, 6, "4", 0),
+    ("processes", 1, 1, "0", 0), ("processes", 1, 2, "1", 0), ("processes", 2, 3, "2", 0),
+    ("processes", 2, 4, "random", 0),
+    ("processes", 3, 5, "3", 0), ("processes", 1, 6, "4", 2), ("processes", 2, 7, "5", 3), ("processes", 2, 8, "6", 3),
+    ("threads", 1, 9, "0", 0), ("threads", 2, 10, "1", 0), ("threads", 2, 11, "2", 0), ("threads", 3, 12, "random", 0),
+    ("threads", 4, 13, "3", 0), ("threads", 8, 14, "4", 0), ("threads", 2, 15, "5", 2), ("threads", 4, 16, "6", 3),
 ]  # fmt: skip
 # workers: of one thread each, or one of two
 THERE = [
-    ("dask", 1, 7, "5", 0), ("dask", 2, 8, "random", 2), ("threads of dask", 2, 9, "6", 0),
-    ("threads of dask", 2, 10, "random", 2),
+    ("dask", 1, 17, "0", 0), ("dask", 2, 18, "1", 0), ("dask", 2, 19, "random", 0), ("dask", 2, 20, "2", 2),
+    ("threads of dask", 2, 21, "0", 0), ("threads of dask", 2, 22, "1", 0), ("threads of dask", 2, 23, "2", 0),
+    ("threads of dask", 2, 24, "3", 2),
 ]  # fmt: skip
 
 
@@ -94,6 +98,10 @@ def run(way: tuple[str, int, int, str, int], kind: str, small: Path, folder: Pat
                 process.wait()
             else:
                 assert process.wait() == 0, (folder / f"log-{attempt}").read_text()
+
+
+def test_there_are_ways_enough() -> None:
+    assert len({*LOCAL, *THERE}) >= 24
 
 
 @pytest.mark.slow
