@@ -21,12 +21,12 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 
 import fatigue_planner as fp
+from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.realtime import answer_first
 
 CYCLES, LONG = 10_000, 27_000
@@ -34,25 +34,6 @@ CYCLES, LONG = 10_000, 27_000
 SEEN = (*("arm", "back", "arm", "back") * 6, None)
 CYCLE_S = 16.0
 DEADLINE_S = 0.05
-
-
-class SimulatedClock(fp.Clock):
-    """A clock that is moved on, and then read as fast as a machine's."""
-
-    now_s, _utc = 0.0, datetime(2026, 1, 1, tzinfo=UTC)
-
-    def pass_by(self, seconds: float) -> None:
-        self.now_s += seconds
-        self._utc += timedelta(seconds=seconds)
-
-    def seconds(self) -> float:
-        return self.now_s
-
-    def utc(self) -> datetime:
-        return self._utc
-
-    def origin(self) -> str:
-        return "simulated"
 
 
 def told(what: str, times_s: list[float]) -> None:
@@ -63,12 +44,12 @@ def told(what: str, times_s: list[float]) -> None:
     print(f"{what}: p50 {p50:.3f}, p99 {p99:.3f}, p99.9 {p999:.3f}, max {ms.max():.3f} ms; {late} of {ms.size} late")
 
 
-def worked(session: fp.Session, clock: SimulatedClock, count: int, seen: Iterator[str | None]) -> list[float]:
+def worked(session: fp.Session, clock: RehearsalClock, count: int, seen: Iterator[str | None]) -> list[float]:
     """Work cycles as a robot does, which asks when everything has been prepared; the times of the answers."""
     times, decision = [], session.decide()
     for _ in range(count):
         assert session._table.wait(60)
-        clock.pass_by(CYCLE_S)
+        clock.move(clock.seconds() + CYCLE_S)
         one = next(seen)
         begin = time.perf_counter()
         decision = session.observe(decision.cycle, observation=one)
@@ -78,14 +59,14 @@ def worked(session: fp.Session, clock: SimulatedClock, count: int, seen: Iterato
 
 def prepared(folder: Path, scenario: fp.Scenario) -> None:
     """Answers that were prepared, with real-time priority for them where that is permitted."""
-    clock = SimulatedClock()
+    clock = RehearsalClock()
     with fp.Session.open(folder / "prepared", scenario, clock=clock) as session:
         told(f"prepared, {CYCLES} cycles", worked(session, clock, CYCLES, itertools.cycle(SEEN)))
 
 
 def long_shift(folder: Path, scenario: fp.Scenario) -> None:
     """The first and the last tenth of a long shift."""
-    clock, seen = SimulatedClock(), itertools.cycle(SEEN)
+    clock, seen = RehearsalClock(), itertools.cycle(SEEN)
     begin = time.perf_counter()
     with fp.Session.open(folder / "long", scenario, clock=clock) as session:
         print(f"session opened, warm: {time.perf_counter() - begin:.2f} s")
@@ -111,7 +92,7 @@ def resident_mb() -> float:
 
 def resumed(folder: Path, scenario: fp.Scenario) -> None:
     """A journal of 12 hours is opened again."""
-    clock = SimulatedClock()
+    clock = RehearsalClock()
     with fp.Session.open(folder / "resumed", scenario, clock=clock) as session:
         worked(session, clock, 2700, itertools.cycle(SEEN))
         digest = session.digest()

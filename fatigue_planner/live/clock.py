@@ -109,7 +109,7 @@ class RehearsalClock(Clock):
     BEGIN = datetime(2000, 1, 1, 6, tzinfo=UTC)
 
     def __init__(self, seconds: float = 0.0) -> None:
-        self._seconds = seconds
+        self._show(seconds)
 
     def move(self, seconds: float) -> None:
         """Show so many seconds from now on. Raises EvidenceError for fewer than before, or more than a year."""
@@ -118,7 +118,7 @@ class RehearsalClock(Clock):
                 f"seconds {shortened(seconds)}: the rehearsal's clock shows {self._seconds:g} and is never set back, "
                 f"nor beyond {MAX_REHEARSAL_S:g}."
             )
-        self._seconds = seconds
+        self._show(seconds)
 
     def seconds(self) -> float:
         """See Clock.seconds."""
@@ -126,8 +126,11 @@ class RehearsalClock(Clock):
 
     def utc(self) -> datetime:
         """See Clock.utc."""
-        return self.BEGIN + timedelta(seconds=self._seconds)
+        return self._utc
 
     def origin(self) -> str:
         """See Clock.origin."""
         return "rehearsal"
+
+    def _show(self, seconds: float) -> None:
+        self._seconds, self._utc = seconds, self.BEGIN + timedelta(seconds=seconds)

@@ -9,13 +9,12 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter
 
 from fatigue_planner.core.settings import Settings
+from fatigue_planner.live.limits import MAX_SECONDS
 
 FORMAT = 1
 # Names are those of the experiment, notes are a person's.
 MAX_NOTE_LENGTH = 500
 MAX_SOURCE_LENGTH = 200
-# A day and a half: longer is no pause of a shift.
-MAX_SECONDS = 129_600.0
 
 Seconds = Annotated[float, Field(ge=0, le=MAX_SECONDS)]
 Cycle = Annotated[int, Field(ge=1)]

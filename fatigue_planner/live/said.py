@@ -5,8 +5,9 @@ import re
 from collections.abc import Mapping
 
 from fatigue_planner.core.errors import CycleError, EvidenceError, SelectionError, listed, shortened
-from fatigue_planner.live.events import MAX_SECONDS, UNCLEAR, Observed, Skipped
-from fatigue_planner.live.shift import LATE_CYCLES, Shift
+from fatigue_planner.live.events import UNCLEAR, Observed, Skipped
+from fatigue_planner.live.limits import LATE_CYCLES, MAX_SECONDS
+from fatigue_planner.live.shift import Shift
 from fatigue_planner.pomdp.problem import Pomdp
 
 MAX_PSEUDONYM_LENGTH = 64

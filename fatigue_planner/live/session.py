@@ -26,7 +26,6 @@ from fatigue_planner.live import said
 from fatigue_planner.live.clock import Clock, ClockWatch, SystemClock
 from fatigue_planner.live.events import (
     MAX_NOTE_LENGTH,
-    MAX_SECONDS,
     Acknowledged,
     Advice,
     AlarmSettings,
@@ -50,6 +49,7 @@ from fatigue_planner.live.events import (
 )
 from fatigue_planner.live.journal import Journal
 from fatigue_planner.live.journal_file import Stored, body_of
+from fatigue_planner.live.limits import MAX_SECONDS
 from fatigue_planner.live.opening import changes, first_rules, off_after, opening, refuse, search_settings, since_opened
 from fatigue_planner.live.pauses import Levels
 from fatigue_planner.live.realtime import OLD_OBJECTS
@@ -94,7 +94,7 @@ class CycleDecision:
 class _Turn:
     """One call at a time: `with turn as began`, by a clock that stands while the machine sleeps.
 
-    Not a generator, which takes as long as the tenth part of an answer.
+    Not a generator: with one, half of all prepared answers took 3 to 13 % longer.
     """
 
     def __init__(self, lock: threading.Lock, look_around: Callable[[], None]) -> None:

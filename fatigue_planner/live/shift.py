@@ -10,14 +10,13 @@ import numpy as np
 from fatigue_planner.core.errors import FatplanError, SelectionError
 from fatigue_planner.core.random_streams import Vector, random_stream
 from fatigue_planner.live.events import UNCLEAR, Advice, Fallback, Input, Observed, Rested, Skipped, WorkerChanged
+from fatigue_planner.live.limits import LATE_CYCLES
 from fatigue_planner.planners.periodic import PeriodicSettings
 from fatigue_planner.planners.policy import Counts, Policy, PolicySettings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.fatigue_pomdp import recognition_of
 from fatigue_planner.pomdp.scenario import Scenario
 
-# An observation may come so many cycles late and still be taken.
-LATE_CYCLES = 5
 # Schedules and other policies that know their actions beforehand are asked for so many; then they begin again.
 MAX_CYCLES = 100_000
 

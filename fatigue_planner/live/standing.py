@@ -1,7 +1,6 @@
 """Where a session stands: a function of its events and their times, so that a replay comes to the same."""
 
 from fatigue_planner.live.events import (
-    MAX_SECONDS,
     UNCLEAR,
     Advice,
     Decided,
@@ -14,6 +13,7 @@ from fatigue_planner.live.events import (
     WorkerChanged,
 )
 from fatigue_planner.live.fit import Fit
+from fatigue_planner.live.limits import MAX_SECONDS
 from fatigue_planner.live.rules import Rules
 from fatigue_planner.live.shift import Choice, Shift
 from fatigue_planner.live.state import Counts, Robot

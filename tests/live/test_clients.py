@@ -2,6 +2,8 @@
 
 import json
 import runpy
+import subprocess
+import sys
 import threading
 import time
 import urllib.error
@@ -237,3 +239,9 @@ def test_a_late_answer_is_told_once(client: Any, tmp_path: Path, monkeypatch: py
     first, *told = Slow.waited_s
     assert first is None and told[0] is not None and told[0] >= SLOW_S
     assert len(set(told)) == 3  # each its own time
+
+
+def test_a_client_loads_nothing_of_the_shift() -> None:
+    code = "import sys, fatigue_planner.live.clients.robot\nprint({'pydantic', 'numpy', 'numba'} & sys.modules.keys())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"

@@ -29,7 +29,8 @@ from fatigue_planner.live import session as session_module
 from fatigue_planner.live.clock import RehearsalClock
 from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, Skipped, WorkerChanged
 from fatigue_planner.live.journal_file import last_seconds, read_journal
-from fatigue_planner.live.shift import LATE_CYCLES, Adviser, Shift
+from fatigue_planner.live.limits import LATE_CYCLES
+from fatigue_planner.live.shift import Adviser, Shift
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from fatigue_planner.core.errors import FaceRefusedError, FaceUnreachableError, SelectionError, shortened
-from fatigue_planner.live.events import MAX_SECONDS
+from fatigue_planner.live.limits import MAX_SECONDS
 
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 TIMEOUT_S = 10.0

@@ -17,7 +17,7 @@ from pylsl.util import TimeoutError as LslTimeoutError
 from fatigue_planner.core.errors import SelectionError, listed, shortened
 from fatigue_planner.live.clients.client import Client
 from fatigue_planner.live.clients.connection import Address
-from fatigue_planner.live.shift import LATE_CYCLES
+from fatigue_planner.live.limits import LATE_CYCLES
 
 CORRECTION_WAIT_S = 2.0
 # A stamp may be ahead of this machine's clock by so much, as far as clocks can be corrected.

@@ -17,7 +17,7 @@ from fatigue_planner.core.errors import FaceRefusedError, FaceUnreachableError, 
 from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.live.clients.client import Client
 from fatigue_planner.live.clients.connection import Address
-from fatigue_planner.live.shift import LATE_CYCLES
+from fatigue_planner.live.limits import LATE_CYCLES
 from fatigue_planner.recordings.recognition.recogniser import Recogniser
 from fatigue_planner.recordings.recognition.repetitions import Growing, part_ends_s
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fatigue_planner.core.errors import SelectionError, listed
 from fatigue_planner.live.clients.client import Client
 from fatigue_planner.live.clients.connection import Address
-from fatigue_planner.live.shift import LATE_CYCLES
+from fatigue_planner.live.limits import LATE_CYCLES
 
 # How long a tracker may take after the robot has asked for the next cycle, and how long a robot may say nothing.
 GRACE_S = 0.5

@@ -3,9 +3,9 @@
 from typing import Any
 
 from fatigue_planner.core.errors import FaceRefusedError
+from fatigue_planner.live.limits import LATE_CYCLES
 from fatigue_planner.live.rehearsal.cell import Cell
 from fatigue_planner.live.rehearsal.fault import Fault, Reaction
-from fatigue_planner.live.shift import LATE_CYCLES
 
 
 class TrackerSilent(Fault):

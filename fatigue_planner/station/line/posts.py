@@ -35,9 +35,7 @@ class Post:
 
 # Of a worker who, as the file says, does not work there.
 STATED = Post(None)
-
-
-# Of a post that the file leaves out because a rule forbids it.
+# Why there is none where the file leaves out what a rule forbids.
 FORBIDDEN = "the work is not acceptable by {rules}, even at the best place"
 
 
