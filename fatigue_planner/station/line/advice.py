@@ -9,7 +9,7 @@ import numpy as np
 
 from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.measures import HOUR_S, MEASURES, largest
-from fatigue_planner.station.line.program import TOLERANCE, Rota, best_rota, counts_of
+from fatigue_planner.station.line.program import TOLERANCE, Rota, best_rota, counts_of, least_burden
 from fatigue_planner.station.line.slots import FREE
 from fatigue_planner.station.line.spans import Counts, Crew, Vector
 
@@ -108,15 +108,14 @@ def advise(line: LineLoad) -> Advice | None:
     if best is None:
         return None
     moving = (crew.spans > 0).sum(axis=1) + (crew.spans.sum(axis=1) < crew.slots) > 1
-    stay = best_rota(replace(crew, burden=np.where(moving, np.inf, crew.burden)))
+    staying = least_burden(replace(crew, burden=np.where(moving, np.inf, crew.burden)))
     usual = burden_of(line, usual_places(crew.workers, crew.stations, line.slots, line.slot_s))
     redesign = None
     if best.largest > ACCEPTABLE:
-        eased = [best_rota(line.without_load(station).crew()) for station in range(crew.stations)]
-        burdens = [each.largest for each in eased if each is not None]
-        station = int(np.argmin(burdens))
-        redesign = station, burdens[station]
-    return Advice(best, None if stay is None else stay.largest, usual, too_much(line), redesign)
+        for station in range(crew.stations):
+            eased = least_burden(line.without_load(station).crew(), np.inf if redesign is None else redesign[1])
+            redesign = redesign if eased is None else (station, eased)
+    return Advice(best, staying, usual, too_much(line), redesign)
 
 
 def usual_places(workers: int, stations: int, slots: int, slot_s: float) -> Counts:

@@ -13,7 +13,7 @@ from fatigue_planner.ergonomics.hand_strain import SAFE
 from fatigue_planner.ergonomics.indicators.acceptable_effort import acceptable_effort
 from fatigue_planner.ergonomics.indicators.duet import CUT_POINT
 from fatigue_planner.ergonomics.lifting_equation import Duration, duration_class
-from fatigue_planner.ergonomics.strain_equation import Task, composite_index, cumulative_index
+from fatigue_planner.ergonomics.strain_equation import composite_index, hours_multiplier
 from fatigue_planner.fatigue.entries import JOINT_GROUPS
 from fatigue_planner.human.skeleton import SIDES
 from fatigue_planner.station.line.demands import PERCENTS, Demand
@@ -58,22 +58,26 @@ def dose_ratios(counts: Counts, demands: Sequence[Demand], slot_s: float) -> dic
 
 
 def strain_ratios(counts: Counts, demands: Sequence[Demand], slot_s: float) -> dict[str, Vector]:
-    """The cumulative strain index of the hands (Garg, Moore & Kapellusch 2017) over 10."""
-    slot_h = slot_s / HOUR_S
+    """The cumulative strain index of the hands (Garg, Moore & Kapellusch 2017) over 10.
+
+    As `cumulative_index` for every row of counts at once: the worst first, then what each other adds by its hours.
+    """
+    hours = slot_s / HOUR_S * np.arange(1, 1 + counts.sum(axis=1).max(initial=1))
+    multiplier = np.array([0.0, *map(hours_multiplier, hours)])
     found: dict[str, Vector] = {}
     for side in SIDES:
-        most = int(counts.max(initial=0))
-        tasks = [
-            [Task(composite_index(demand.efforts[side], slot_h * n), slot_h * n) for n in range(1, most + 1)]
-            for demand in demands
-        ]
-        index = [
-            cumulative_index([
-                own[n - 1] for own, n, demand in zip(tasks, row, demands, strict=True) if n and demand.efforts[side]
-            ])
-            for row in counts.tolist()
-        ]  # fmt: skip
-        found[f"{side}_hand"] = np.array(index) / SAFE
+        composite = np.array([[0.0, *(composite_index(demand.efforts[side], h) for h in hours)] for demand in demands])
+        at_work = np.array([bool(demand.efforts[side]) for demand in demands])
+        index = np.zeros(len(counts))
+        for start in range(0, len(counts), CHUNK):
+            own = counts[start : start + CHUNK] * at_work
+            at_each = composite[np.arange(len(demands)), own]
+            worst_first = np.argsort(-at_each, axis=1, kind="stable")
+            at_each, own = (np.take_along_axis(values, worst_first, axis=1) for values in (at_each, own))
+            added = np.diff(multiplier[np.cumsum(own, axis=1)], axis=1, prepend=0.0)
+            # where no slot is, nothing is added
+            index[start : start + CHUNK] = (at_each / multiplier[np.maximum(own, 1)] * added).sum(axis=1)
+        found[f"{side}_hand"] = index / SAFE
     return found
 
 

@@ -24,6 +24,10 @@ MOST_COLUMNS = 20_000
 AT_A_TIME = 20
 # Burdens and sums of squares that differ by less, as a share, count as equal: it is what the solver resolves.
 TOLERANCE = 1e-5
+# What is missing in a relaxation that cannot be kept to is more than this, which is rounding.
+INFEASIBLE_ABOVE = 1e-7
+# Where not all spans are looked at, burdens that differ by less, as a share, are not told apart.
+STEP = 1e-3
 # What `milp` calls its ends.
 SOLVED, INFEASIBLE = 0, 2
 # A larger joint program for the changes is not tried.
@@ -116,8 +120,8 @@ class Columns:
             gain = price[: crew.workers, None] + (crew.spans @ price[crew.workers :])[None, :]
             reduced = (0.0 if cost is None else cost) - gain
             open_ = under & ~self.inside & (reduced < -1e-7)
-            if self.complete or not open_.any() or (cost is None and absent <= 1e-7):
-                return float(found.fun) if cost is None or absent <= 1e-7 else np.inf
+            if self.complete or not open_.any() or (cost is None and absent <= INFEASIBLE_ABOVE):
+                return float(found.fun) if cost is None or absent <= INFEASIBLE_ABOVE else np.inf
             for worker in range(crew.workers):
                 asked = np.flatnonzero(open_[worker])
                 best = asked[np.argsort(reduced[worker, asked], kind="stable")[:AT_A_TIME]]
@@ -170,6 +174,12 @@ def best_rota(crew: Crew) -> Rota | None:
                 changes_of(rota), changes_bound)  # fmt: skip
 
 
+def least_burden(crew: Crew, below: float = np.inf) -> float | None:
+    """The largest burden of the best rota; None if there is no rota, or none whose largest burden is below so much."""
+    lowest = _least_limit(Columns(crew), below)
+    return None if lowest is None else lowest[1]
+
+
 def counts_of(places: Counts, stations: int) -> Counts:
     """How many slots every worker is at every station, (workers, stations)."""
     return np.stack([(places == station).sum(axis=1) for station in range(stations)], axis=1)
@@ -185,33 +195,40 @@ def _cost(crew: Crew, counts: Counts, cost: Matrix) -> float:
     return float(burdens_of(replace(crew, burden=cost), counts).sum())
 
 
-def _least_limit(columns: Columns) -> tuple[float, float] | None:
-    """What no largest burden is below, and the least one that was found; None if stations cannot be manned."""
-    crew = columns.crew
-    values = np.unique(crew.burden[np.isfinite(crew.burden)])
-    if not len(values) or columns.relaxed(values[-1], None) > 1e-7:
+def _least_limit(columns: Columns, below: float = np.inf) -> tuple[float, float] | None:
+    """What no largest burden is below, and the least one that was found; None if stations cannot be manned so."""
+    every = np.unique(columns.crew.burden[columns.crew.burden < below])
+    values = every if columns.complete else _apart(every)
+    if not len(values) or columns.relaxed(values[-1], None) > INFEASIBLE_ABOVE:
         return None
     low, high = 0, len(values) - 1  # the least index whose relaxation can be kept to
     while low < high:
         middle = (low + high) // 2
-        if columns.relaxed(values[middle], None) <= 1e-7:
+        if columns.relaxed(values[middle], None) <= INFEASIBLE_ABOVE:
             high = middle
         else:
             low = middle + 1
-    bound = float(values[low])
-    step, below, above = 1, low - 1, low
+    bound = float(every[np.searchsorted(every, values[low - 1], side="right")] if low else every[0])
+    step, under, above = 1, low - 1, low
     while columns.solved(values[above], None) is None:
         if above == len(values) - 1:
             return None
-        below, above, step = above, min(above + step, len(values) - 1), 2 * step
+        under, above, step = above, min(above + step, len(values) - 1), 2 * step
         columns.relaxed(values[above], None)
-    while above - below > 1:
-        middle = (above + below) // 2
+    while above - under > 1:
+        middle = (above + under) // 2
         if columns.solved(values[middle], None) is None:
-            below = middle
+            under = middle
         else:
             above = middle
     return (float(values[above]) if columns.proven else bound), float(values[above])
+
+
+def _apart(values: Vector) -> Vector:
+    """Of values in order so many that none is further than STEP below one of them."""
+    with np.errstate(divide="ignore"):
+        steps = np.floor(np.log(values) / math.log1p(STEP))
+    return values[np.append(steps[1:] > steps[:-1], True)] if len(values) else values
 
 
 def _fewest_changes(

@@ -88,6 +88,23 @@ def test_the_strain_of_a_day_is_the_cumulative_index() -> None:
     assert (found["left_hand"] == 0).all()
 
 
+def test_many_stations_are_as_the_cumulative_index_one_by_one() -> None:
+    """Two kinds of efforts at most stations, at some nothing to do; slots of 40 min, some of them free."""
+    random = np.random.default_rng(5)
+    stations, slot_h = 6, 2 / 3
+    efforts = [
+        tuple(Effort(*random.uniform((0.05, 1, 0.5, -40), (0.6, 12, 5, 40))) for _ in range(number))
+        for number in (2, 1, 0, 2, 0, 1)
+    ]
+    demands = [replace(NOTHING, efforts={"right": own, "left": ()}) for own in efforts]
+    counts = random.multinomial(9, np.full(stations + 1, 1 / (stations + 1)), size=50)[:, :stations]
+    found = strain_ratios(counts, demands, slot_h * HOUR_S)["right_hand"]
+    for row, ratio in zip(counts, found, strict=True):
+        hours = [(own, slot_h * n) for own, n in zip(efforts, row, strict=True) if n and own]
+        tasks = [Task(composite_index(own, time_h), time_h) for own, time_h in hours]
+        assert ratio == pytest.approx(cumulative_index(tasks) / 10, rel=1e-12)
+
+
 def test_a_hand_works_as_the_example_of_the_strain_index() -> None:
     """NTP 1125: .2, 5 a minute, 3 s, 5 degrees of flexion, 4 h is 3.959 by multipliers that are rounded."""
     demand = replace(NOTHING, efforts={"right": (Effort(0.2, 5, 3, -5),), "left": ()})

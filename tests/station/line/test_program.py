@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fatigue_planner.station.line import program
-from fatigue_planner.station.line.program import TOLERANCE, best_rota, burdens_of, counts_of
+from fatigue_planner.station.line.program import STEP, TOLERANCE, best_rota, burdens_of, counts_of, least_burden
 from fatigue_planner.station.line.slots import FREE, changes_of, decomposed
 from fatigue_planner.station.line.spans import Counts, Crew, Matrix, spans_of
 
@@ -59,12 +59,14 @@ def check(seed: int) -> None:
     crew = random_crew(workers, int(random.integers(1, workers + 1)), int(random.integers(1, 5)), seed)
     found, wanted = best_rota(crew), every_rota(crew)
     if wanted is None:
-        assert found is None
+        assert found is None and least_burden(crew) is None
         return
     assert found is not None and found.exact
     assert found.largest == pytest.approx(wanted[0], rel=1e-9)
     assert found.fairness == pytest.approx(wanted[1], abs=2 * TOLERANCE * workers)
     assert found.changes == wanted[2] == changes_of(found.places)
+    assert least_burden(crew) == least_burden(crew, np.nextafter(found.largest, np.inf)) == found.largest
+    assert least_burden(crew, found.largest) is None
     for station in range(crew.stations):
         assert ((found.places == station).sum(axis=0) == 1).all()
     assert (found.burdens == burdens_of(crew, counts_of(found.places, crew.stations))).all()
@@ -98,6 +100,7 @@ def test_asking_for_spans_finds_what_all_spans_do(monkeypatch: pytest.MonkeyPatc
     asked = best_rota(crew)
     assert whole is not None and asked is not None
     assert asked.burden_bound <= whole.largest * (1 + 1e-9) and whole.largest <= asked.largest * (1 + 1e-9)
+    assert whole.largest <= (least_burden(crew) or 0) * (1 + 1e-9) <= asked.largest * (1 + STEP)
     assert asked.fairness_bound <= asked.fairness
     assert asked.changes_bound <= asked.changes
 
