@@ -62,6 +62,7 @@ def rotate(
 
 def _document(found: "CrewRotation") -> dict[str, Any]:
     from fatigue_planner.station.line import statements
+    from fatigue_planner.station.tables import plain
 
     line, advice = found.line.line, found.advice
     stations = list(line.stations)
@@ -87,7 +88,7 @@ def _document(found: "CrewRotation") -> dict[str, Any]:
         "redesign": None if advice.redesign is None else stations[advice.redesign[0]],
         "largest_after_redesign": None if advice.redesign is None else advice.redesign[1],
         "ratios": found.ratios, "without_pause": found.pauses,
-        "lifting": {worker: each._asdict() for worker, each in found.lifting.items()},
+        "lifting": {worker: plain(each) for worker, each in found.lifting.items()},
     }  # fmt: skip
     return document
 
@@ -122,4 +123,8 @@ def _text(found: "CrewRotation") -> list[str]:
         ]
     said = [*statements.of_gain(found), *statements.of_redesign(found), *statements.of_posts(found)]
     said += [*statements.of_shift(found), Phrase(statements.REMEMBER)]
-    return [*lines, *(f"  {phrase}." for phrase in said)]
+    lines += [f"  {phrase}." for phrase in said]
+    return lines + [
+        f"  NIOSH lifting index at {station} with these hours, for the worst of all workers: {judgement.text()}."
+        for station, judgement in found.lifted.items()
+    ]

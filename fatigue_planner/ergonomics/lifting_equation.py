@@ -22,7 +22,9 @@ FREQUENCY = np.array([
     [15, 0.00, 0.28, 0.00, 0.00, 0.00, 0.00],
 ])  # fmt: skip
 COUPLING = {"good": (1.00, 1.00), "fair": (0.95, 1.00), "poor": (0.90, 0.90)}
-DURATIONS: tuple[Duration, ...] = ("short", "moderate", "long")
+# The longest time of a class, in h.
+LONGEST_H: dict[Duration, float] = {"short": 1.0, "moderate": 2.0, "long": 8.0}
+DURATIONS = tuple(LONGEST_H)
 MOST_ASYMMETRY_DEG = 135.0
 
 
@@ -106,9 +108,9 @@ def duration_class(sessions: Sequence[tuple[float, float]]) -> Duration | None:
         last = index == len(sessions) - 1
         needed = 1.0 if total <= 1 else 0.3 if total <= 2 else math.inf
         if last or rest_h >= needed * total * (1 - 1e-9):
-            if total > 8:
+            if total > LONGEST_H["long"]:
                 return None
-            worst = max(worst, 0 if total <= 1 else 1 if total <= 2 else 2)
+            worst = max(worst, sum(total > longest_h for longest_h in LONGEST_H.values()))
             total = 0.0
     return DURATIONS[worst]
 

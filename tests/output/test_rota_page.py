@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from browser import PRINTED_PX, chromium, needs_chromium, printed_when_legible
 
-from fatigue_planner.ergonomics.result import Level, Phrase
+from fatigue_planner.ergonomics.result import Assessment as Judgement
+from fatigue_planner.ergonomics.result import Decides, Level, Origin, Phrase, Span
 from fatigue_planner.fatigue.entries import JOINT_GROUPS
 from fatigue_planner.output.reports.station.catalogue import catalogue_of, languages
 from fatigue_planner.output.reports.station.rota import rota_page
@@ -47,6 +48,15 @@ def line_of(stations: int, workers: int) -> LoadedLine:
     )
 
 
+def lifted_at(index: float) -> Judgement:
+    """NIOSH's lifting index, and half as much again with poor coupling."""
+    poor = Decides("", Phrase("with poor coupling"), 1.5 * index)
+    return Judgement(
+        "niosh_lifting", "NIOSH lifting index", "", Origin.AGREED, value=Span(index, poor.value), digits=1,
+        levels=(Level.INVESTIGATE, Level.INVESTIGATE), decides=(poor,),
+    )  # fmt: skip
+
+
 def rotation_at(line: LoadedLine) -> CrewRotation:
     """A made rotation with something of everything: cannot, forbidden, free, lifting, not proven, no help."""
     stations, workers, slots = [*line.stations], [*line.line.crew], line.line.slots
@@ -67,7 +77,11 @@ def rotation_at(line: LoadedLine) -> CrewRotation:
                  for kind in MEASURES}
         for n, worker in enumerate(workers)
     }  # fmt: skip
-    lifting = {workers[0]: Lifting(2.5, "long"), workers[1]: Lifting(8.5, None)}
+    lifting = {
+        workers[0]: Lifting(2.5, "long", {stations[0]: lifted_at(1.4)}),
+        workers[1]: Lifting(8.5, None),
+        workers[2]: Lifting(1.0, "short", {stations[0]: lifted_at(1.3)}),
+    }
     return CrewRotation(line, posts, advice, ratios, lifting, (0.02, 0.034))
 
 
@@ -106,6 +120,7 @@ def test_the_page_says_who_works_where_and_what_that_gains(language: str) -> Non
         number(1.234, ".2f"),
         number(1.24, ".2f"),
         number(0.9, ".2f"),
+        f"{number(1.4, '.1f')} ({number(2.1, '.1f')} {texts.text('with poor coupling')}",
         "small woman 1",
         "clips 1",
         "1:49–2:58",
@@ -114,6 +129,7 @@ def test_the_page_says_who_works_where_and_what_that_gains(language: str) -> Non
     rows = re.findall(r'<tr><th scope="row"[^>]*>([^<]*)</th>(.*?)</tr>', page, re.S)
     cells = [re.sub("<[^>]*>", "", cell) for cell in re.findall(r"<td[^>]*>(.*?)</td>", rows[0][1], re.S)]
     assert [name for name, _ in rows[:4]] == ["small woman 1", "median man 1", "tall man 1", "small woman 2"]
+    assert number(1.3, ".1f") not in said
     assert cells == ["lamps 1", "seats 1", "clips 1", texts.text("free")] * 2
     sentences = {
         "en": ("Rotation does not help; redesign clips 1.", "Small woman 1 cannot reach rail: the hand stays 7 cm away",

@@ -403,9 +403,14 @@ def test_a_grid_of_places_is_drawn_as_a_map(assessment: StationAssessment, langu
     )  # fmt: skip
     doing = Doing("tall_man", "fit", names[1], "arm")
     place = PlaceForWorker("tall_man", "fit", names[1], "arm", Level.INVESTIGATE, Outcome(doing, ("right",), "reached"))
+    robot = replace(robot_of(assessment.station), places=(
+        RobotPlace("fit", names[2], "", (0.0,) * 6, 31.0, "wrist_1", 0.08, None, Phrase(CANNOT_PRESENT, {
+            "place": names[2], "arm": "UR5e", "reason": "out of reach by 18 cm"})),
+        RobotPlace("fit", names[1], "", (0.0,) * 6, 31.0, "wrist_1", 0.08, None, None),
+    ))  # fmt: skip
     made = replace(
-        assessment, station=station, summaries=found, places=(place,), judged=(replace(judged, doing=doing),),
-        best=BestPlaces({"fit": names[0]}, 0.1, 0.01, {}, None, {}),
+        assessment, robot=robot, station=station, summaries=found, places=(place,),
+        judged=(replace(judged, doing=doing),), best=BestPlaces({"fit": names[0]}, 0.1, 0.01, {}, None, {}),
     )  # fmt: skip
     wording = Wording(catalogue_of(language), assessment.workers)
     (drawn,) = maps(made, wording)
@@ -418,7 +423,7 @@ def test_a_grid_of_places_is_drawn_as_a_map(assessment: StationAssessment, langu
     score = judged.judgements["rula"].value
     assert score is not None
     assert list(told.values()) == [
-        ["★ ●", percent[0]], ["▲ 1", percent[1], f"R {score.low:.0f}"], ["■ 1", percent[2]],
+        ["★ ●", percent[0]], ["▲ 1", percent[1], f"R {score.low:.0f}"], ["⊘ ■ 1", percent[2]],
         ["■ 1", percent[3], "✕ 1"], ["✕"], ["✕"],
     ]  # fmt: skip
     assert all(wording.name(name) in title for name, (title, _) in zip(names, cells, strict=True))
@@ -431,6 +436,9 @@ def test_a_grid_of_places_is_drawn_as_a_map(assessment: StationAssessment, langu
     columns, rows = (sorted({corner[axis] for corner in corners}) for axis in (0, 1))
     assert [(columns.index(x), rows.index(y)) for x, y in corners] == [(0, 1), (0, 0), (1, 1), (1, 0), (2, 1), (2, 0)]
     assert any("1 ISO 11226" in line for line in drawn.legend)
+    assert "UR5e" in cells[2][0] and sum(line.startswith("⊘") for line in drawn.legend) == 1
+    without = replace(made, robot=None)
+    assert "⊘" not in "".join(line + one.svg for one in maps(without, wording) for line in one.legend)
 
 
 # The catalogues.

@@ -1,9 +1,12 @@
 """A worker at a station of a line: what the work there asks, or why he or she cannot do it."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 
+from fatigue_planner.ergonomics.indicators.niosh_lifting import NioshLifting
+from fatigue_planner.ergonomics.lifting_equation import LONGEST_H, Duration
 from fatigue_planner.ergonomics.operation import Job, Operation
+from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.ergonomics.stated import Shift
 from fatigue_planner.reactions.cache import ReactionCache
@@ -24,6 +27,7 @@ class Post:
     level      the worst level of the whole cycle that is certain by a binding indicator
     rules      the indicators that forbid the cycle even so; empty if none does
     fatigue    what repeating the cycle does within minutes
+    lifting    what NIOSH's lifting equation says of the cycle, by its class of hours; empty if nothing is lifted
     """
 
     demand: Demand | None
@@ -31,6 +35,7 @@ class Post:
     level: Level | None = None
     rules: str = ""
     fatigue: Fatigue | None = None
+    lifting: Mapping[Duration, Judgement] = field(default_factory=dict)
 
 
 # Of a worker who, as the file says, does not work there.
@@ -58,7 +63,13 @@ def post_of(
     rules = rules_named(verdict.by) if verdict.level == Level.NOT_ACCEPTABLE else ""
     if rules and as_allowed:
         return Post(None, (Phrase(FORBIDDEN, {"rules": rules}),), verdict.level)
-    return Post(Demand.of(Job(operations, Shift(cycle_s=cycle_s))), (), verdict.level, rules, verdict.fatigue)
+    demand = Demand.of(Job(operations, Shift(cycle_s=cycle_s)))
+    lifting = {
+        duration: NioshLifting().assess(Job(operations, Shift(cycle_s=cycle_s, hours=hours)))
+        for duration, hours in LONGEST_H.items()
+        if demand.lifts
+    }
+    return Post(demand, (), verdict.level, rules, verdict.fatigue, lifting)
 
 
 def _obstacles(found: Examined, worker: str) -> Iterator[Phrase]:

@@ -1,17 +1,16 @@
 """Rotation at a line: every worker is simulated at every station, once, then rotas are compared."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
-from typing import NamedTuple
 
 from fatigue_planner.core.executors.executor import Executor
 from fatigue_planner.ergonomics.lifting_equation import Duration
+from fatigue_planner.ergonomics.result import Assessment as Judgement
 from fatigue_planner.reactions.cache import Outcome as Simulated
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.station.examine import examine
 from fatigue_planner.station.line.advice import Advice, LineLoad, advise, pause_worth
-from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.loader import LoadedLine
 from fatigue_planner.station.line.measures import MEASURES, lifting_class
 from fatigue_planner.station.line.posts import STATED, Post, post_of
@@ -22,13 +21,17 @@ from fatigue_planner.station.line.spans import Counts
 from fatigue_planner.station.outcomes import Task, tasks_of
 
 
-class Lifting(NamedTuple):
-    """For how long a worker is at stations where loads are lifted or lowered, and NIOSH's duration class of that; None:
-    more than 8 h, for which the equation is not.
+@dataclass(frozen=True)
+class Lifting:
+    """For how long a worker is at stations where loads are lifted or lowered.
+
+    duration  NIOSH's class of these hours; None: more than 8 h, for which the equation is not
+    judged    what the equation then says of each of these stations alone
     """
 
     hours: float
     duration: Duration | None
+    judged: Mapping[str, Judgement] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ class CrewRotation:
     posts    by worker and station what the work there asks, or why it cannot be done
     advice   the best rota beside others; None if the stations cannot be manned
     ratios   by worker, measure and body region the ratio of load to acceptable load of the best rota
-    lifting  by worker who lifts or lowers loads, for how many h of the best rota
+    lifting  by worker who lifts or lowers loads, for how many h of the best rota, and what that makes of the lifts
     pauses   by what share of itself the largest burden of the best rota rises without each break of the shift
     """
 
@@ -57,11 +60,27 @@ class CrewRotation:
             for worker, own in self.posts.items()
         }
 
+    @property
+    def lifted(self) -> dict[str, Judgement]:
+        """By station where loads are lifted or lowered NIOSH's lifting index with the hours of the rota, of the worker
+        for whom it is worst.
+        """
+        found: dict[str, Judgement] = {}
+        for own in self.lifting.values():
+            for station, judgement in own.judged.items():
+                if station not in found or _index(judgement) > _index(found[station]):
+                    found[station] = judgement
+        return found
+
     def place(self, worker: int, slot: int) -> str:
         """The name of the station where a worker is in a slot; empty where free."""
         assert self.advice is not None
         number = int(self.advice.best.places[worker, slot])
         return "" if number == FREE else list(self.line.stations)[number]
+
+
+def _index(judgement: Judgement) -> float:
+    return -1.0 if judgement.value is None else judgement.value.high
 
 
 def motions_of(line: LoadedLine) -> list[list[Task]]:
@@ -111,20 +130,26 @@ def rotation_of(
         }
     worth = partial(pause_worth, load, places)
     pauses = tuple(worth(60 * one.minutes) for one in line.line.shift.breaks)
-    return CrewRotation(line, posts, advice, ratios, lifting_of(line, demands, places), pauses)
+    return CrewRotation(line, posts, advice, ratios, lifting_of(line, posts, places), pauses)
 
 
-def lifting_of(line: LoadedLine, demands: Sequence[Sequence[Demand | None]], places: Counts) -> dict[str, Lifting]:
-    """See CrewRotation.lifting; demands: by worker and station; places: a rota."""
+def lifting_of(line: LoadedLine, posts: Mapping[str, Mapping[str, Post]], places: Counts) -> dict[str, Lifting]:
+    """See CrewRotation.lifting; places: a rota."""
     pieces = [(slot, *span) for slot, spans in enumerate(line.line.slot_times()) for span in spans]
     begins = [begin for _, begin, _ in pieces[1:]] + [MINUTES * line.line.shift.hours]
     times_h = [((end - begin) / MINUTES, (after - end) / MINUTES)
                for (_, begin, end), after in zip(pieces, begins, strict=True)]  # fmt: skip
     found = {}
-    for worker, own, row in zip(line.line.crew, demands, places, strict=True):
-        lifts = [demand is not None and demand.lifts for demand in own]
+    for (worker, own), row in zip(posts.items(), places, strict=True):
+        lifts = [post.demand is not None and post.demand.lifts for post in own.values()]
         where = [int(row[slot]) for slot, _, _ in pieces]
         hours = sum(work_h for place, (work_h, _) in zip(where, times_h, strict=True) if place >= 0 and lifts[place])
         if hours:
-            found[worker] = Lifting(hours, lifting_class(where, lifts, times_h))
+            duration = lifting_class(where, lifts, times_h)
+            judged = {
+                station: post.lifting[duration]
+                for number, (station, post) in enumerate(own.items())
+                if duration is not None and duration in post.lifting and number in where
+            }
+            found[worker] = Lifting(hours, duration, judged)
     return found

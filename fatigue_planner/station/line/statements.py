@@ -88,11 +88,13 @@ def of_shift(found: CrewRotation) -> Iterator[Phrase]:
     """What pauses are worth, and for how long who lifts."""
     for pause, more in zip(found.line.line.shift.breaks, found.pauses, strict=False):
         yield Phrase(PAUSE, {"at_min": pause.at_min, "more": more})
-    for worker, (hours, duration) in found.lifting.items():
-        if duration is None:
-            yield Phrase(LIFTING_TOO_LONG, {"worker": worker, "hours": hours})
-        else:
-            yield Phrase(LIFTING, {"worker": worker, "hours": hours, "duration": duration})
+    for worker, lifting in found.lifting.items():
+        who: dict[str, str | float] = {"worker": worker, "hours": lifting.hours}
+        yield (
+            Phrase(LIFTING_TOO_LONG, who)
+            if lifting.duration is None
+            else Phrase(LIFTING, who | {"duration": lifting.duration})
+        )
 
 
 def assumptions_of(found: CrewRotation) -> Iterator[Phrase]:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,8 @@ from fatigue_planner.core.errors import ExperimentError
 from fatigue_planner.experiment.loader import editor_schema
 from fatigue_planner.station.line.demands import Demand
 from fatigue_planner.station.line.loader import load_line
-from fatigue_planner.station.line.rotate import lifting_of
+from fatigue_planner.station.line.posts import Post
+from fatigue_planner.station.line.rotate import Lifting, lifting_of
 from fatigue_planner.station.line.schema import Line
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.schema import Break
@@ -127,13 +129,39 @@ def test_slots_share_the_time_of_work_and_breaks_divide_them(folder: Path) -> No
 def test_hours_of_lifting_have_the_duration_class_of_their_order(folder: Path) -> None:
     """Two hours in a row are moderate; half an hour's break between them is too short to part them."""
     found = load_line(folder / "line.yaml")
-    none, lifts = NOTHING, replace(NOTHING, lifts=True)
-    demands = [[lifts, none], [lifts, none]]
-    assert lifting_of(found, demands, np.array([[0, 0, 1, 1], [1, 1, 0, 0]])) == {
-        "P5": (2.0, "moderate"), "P95": (2.0, "moderate"),
+    none, lifts = Post(NOTHING), Post(replace(NOTHING, lifts=True))
+    posts = {worker: {"high": lifts, "low": none} for worker in ("P5", "P95")}
+    assert lifting_of(found, posts, np.array([[0, 0, 1, 1], [1, 1, 0, 0]])) == {
+        "P5": Lifting(2.0, "moderate"), "P95": Lifting(2.0, "moderate"),
     }  # fmt: skip
-    assert lifting_of(found, demands, np.array([[0, 1, 1, 0], [1, 0, 0, 1]]))["P5"] == (2.0, "short")
-    assert lifting_of(found, [[none, none]] * 2, np.array([[0, 0, 0, 0], [1, 1, 1, 1]])) == {}
+    assert lifting_of(found, posts, np.array([[0, 1, 1, 0], [1, 0, 0, 1]]))["P5"] == Lifting(2.0, "short")
+    nothing = {worker: {"high": none, "low": none} for worker in posts}
+    assert lifting_of(found, nothing, np.array([[0, 0, 0, 0], [1, 1, 1, 1]])) == {}
+
+
+@pytest.mark.slow
+def test_lifting_is_judged_by_the_hours_of_the_rota(folder: Path) -> None:
+    """8 kg three times a minute: who lifts for more than 2 h has the frequency multiplier of that, 0.55."""
+    station = yaml.safe_load(STATION.format(name="low", height=0.9, tool="gun"))
+    station["tools"]["gun"], station["ways"] = "8 kg", ["back"]
+    station["places"]["there"] |= {"x": 0.4, "y": 0}
+    station["operations"]["fit"] |= {
+        "hand": "both", "handling": "lift", "end_height_m": 1.3, "placed_carefully": False, "seconds": 4,
+    }  # fmt: skip
+    (folder / "low.yaml").write_text(yaml.safe_dump(station))
+    content = yaml.safe_load(LINE)
+    content["crew"]["P95"]["not_at"] = ["low"]
+    content["stations"]["low"].pop("cycles_per_hour")
+    (folder / "line.yaml").write_text(yaml.safe_dump(content))
+    done = fatplan("rotate", folder / "line.yaml", "--cache", folder / "cache", "--output", folder / "out", "--json")
+    assert done.returncode == 0, done.stderr
+    lifting = json.loads(done.stdout)["advice"]["lifting"]
+    assert lifting.keys() == {"P5"} and (lifting["P5"]["hours"], lifting["P5"]["duration"]) == (4, "long")
+    judged = lifting["P5"]["judged"]["low"]
+    limit_kg = 23 * math.prod(judged["parts"][name] for name in ("HM", "VM", "DM", "AM", "CM")) * 0.55
+    assert judged["value"]["low"] == judged["value"]["high"] == pytest.approx(8 / limit_kg, rel=1e-9)
+    assert judged["parts"]["height_cm"] >= 75 and judged["parts"]["lifts_per_minute"] == 3
+    assert "NIOSH lifting index" in (folder / "out" / "rota.html").read_text(encoding="utf-8")
 
 
 def test_what_init_writes_is_a_line(tmp_path: Path) -> None:

@@ -50,13 +50,14 @@ def cycles(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlock
 def _judged(wording: Wording, caption: str, columns: Sequence[str], found: Sequence[Collection[Judgement]]) -> Table:
     """A row per indicator, a column per worker."""
     rows = [
-        [wording.catalogue.term(row[0].title), *(_cell(each, wording) for each in row)]
+        [wording.catalogue.term(row[0].title), *(judgement_text(each, wording) for each in row)]
         for row in zip(*found, strict=True)
     ]
     return Table(caption, [wording.say("Indicator"), *columns], rows)
 
 
-def _cell(judgement: Judgement, wording: Wording) -> str:
+def judgement_text(judgement: Judgement, wording: Wording) -> str:
+    """A judgement in a cell of a table: its level, its value, how long and where it is worst."""
     text = wording.value(judgement)
     if judgement.levels is None:
         return wording.light(None, text)

@@ -1,22 +1,23 @@
-"""Maps of places as SVG: every point with its level, the rule that decides, fatigue, a score, and who cannot."""
+"""Maps of places as SVG: each point with its level, the rule that decides, fatigue, a score, and who or what cannot."""
 
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from markupsafe import Markup, escape
 
-from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.experiment.pose_grid import AXES
 from fatigue_planner.output.reports.station.blocks import Map
 from fatigue_planner.output.reports.station.wording import SIGNS, Wording
 from fatigue_planner.station.assessment import PlaceSummary, StationAssessment
+from fatigue_planner.station.robot_reach import ruled_out
 
 # Fill and ink of a point by its level, as the page's `look.css` has them.
 INKS = {
     Level.ACCEPTABLE: ("#e7f5ec", "#0b5d2a"), Level.INVESTIGATE: ("#fff4d6", "#6b4700"),
     Level.NOT_ACCEPTABLE: ("#fdeaec", "#8d0f1c"), None: ("#f3f3f3", "#444444"),
 }  # fmt: skip
-CANNOT, RECOMMENDED = "✕", "★"
+CANNOT, RECOMMENDED, NO_ROBOT = "✕", "★", "⊘"
 # The indicator whose score is written into every point.
 SCORE = "rula"
 # Width and height of a point, of a line of letters, and the room for the numbers on both axes, in px.
@@ -72,19 +73,26 @@ def _map(
         for each in own
     ]  # fmt: skip
     width, height = _LEFT + _WIDE * len(columns) + 4, _ABOVE + _HIGH * len(rows) + _BELOW
-    words = _in_words(wording, title, own)
+    words = _in_words(assessment, wording, title, own)
     svg = Markup('<svg role="img" aria-label="{}" width="{}" height="{}" viewBox="0 0 {} {}">{}{}</svg>').format(
         words, width, height, width, height, _scales(wording, columns, rows, axes), Markup("").join(drawn)
     )
     return Map(words, svg, list(_legend(assessment, wording, own, rules)))
 
 
-def _in_words(wording: Wording, title: str, own: Sequence[PlaceSummary]) -> str:
+def _in_words(assessment: StationAssessment, wording: Wording, title: str, own: Sequence[PlaceSummary]) -> str:
     """What the picture shows, for who does not see it: how many places of every level."""
     counts = [(wording.catalogue.term(level.words), sum(each.level == level for each in own)) for level in Level]
     counts.append((wording.say("not reached"), sum(each.level is None for each in own)))
+    counts.append((wording.say("left out because of the robot"), len(_without_robot(assessment, own))))
     levels = ", ".join(f"{count} {words}" for words, count in counts if count)
     return wording.say("Map: {title}. {count} places: {levels}.", title=title, count=len(own), levels=levels)
+
+
+def _without_robot(assessment: StationAssessment, own: Sequence[PlaceSummary]) -> dict[str, Phrase]:
+    """The places that the station's robot rules out, and why."""
+    out = ruled_out(assessment.robot.places if assessment.robot else ())
+    return {each.place: out[each.operation, each.place] for each in own if (each.operation, each.place) in out}
 
 
 def _decides(each: PlaceSummary) -> str:
@@ -108,6 +116,8 @@ def _point(
     best = assessment.best.places.get(each.operation) == each.place
     if best:
         lines[0] = f"{RECOMMENDED} {lines[0]}"
+    if _without_robot(assessment, [each]):
+        lines[0] = f"{NO_ROBOT} {lines[0]}"
     hatch = "".join(_hatch(x, y)) if each.level == Level.NOT_ACCEPTABLE else ""
     letters = "".join(
         f'<text x="{x + _WIDE / 2:g}" y="{y + (number + 1) * _LINE:g}" text-anchor="middle" font-size="12" '
@@ -139,6 +149,7 @@ def _told(assessment: StationAssessment, wording: Wording, each: PlaceSummary) -
     parts.append(wording.rules(each.by, assessment.station.cycle.duration_s))
     if each.missed_by:
         parts.append(wording.say("cannot: {workers}", workers=wording.workers(each.missed_by)))
+    parts += map(wording.sentence, _without_robot(assessment, [each]).values())
     return "; ".join(filter(None, parts))
 
 
@@ -187,5 +198,7 @@ def _legend(
         numbers = ", ".join(f"{i} {wording.catalogue.term(title)}" for i, title in enumerate(rules, start=1))
         yield wording.say("Number beside a sign: the rule that decides: {numbers}.", numbers=numbers)
     yield wording.say("Per cent: the highest fatigue; R: the RULA score of the worst of the workers.")
+    if _without_robot(assessment, own):
+        yield wording.say("{sign}: left out, as the robot cannot present it or comes too near.", sign=NO_ROBOT)
     if any(assessment.best.places.get(each.operation) == each.place for each in own):
         yield wording.say("{sign}: recommended.", sign=RECOMMENDED)

@@ -8,6 +8,7 @@ from fatigue_planner.ergonomics.result import Level, Phrase
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Groups, Part, table
 from fatigue_planner.output.reports.station.catalogue import Catalogue
+from fatigue_planner.output.reports.station.judgements import judgement_text
 from fatigue_planner.output.reports.station.page import SHOWN_DIGITS, render
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.station.line import statements
@@ -37,7 +38,10 @@ def rota_page(found: CrewRotation, texts: Catalogue) -> str:
     ]
     sections = [
         Part(wording.say("Who cannot work where"), [_cannot(found, wording), *_forbidden(found, wording)]),
-        Part(wording.say("Pauses and lifting"), [Points(_sentences(statements.of_shift(found), wording))]),
+        Part(
+            wording.say("Pauses and lifting"),
+            [Points(_sentences(statements.of_shift(found), wording)), *_lifted(found, wording)],
+        ),
         Part(wording.say("Loads of the shift"), [_loads(found, wording)]),
         Part(wording.say("Within a cycle"), [_within(found, wording), Text(wording.sentence(Phrase(FORGETS)))]),
     ]
@@ -190,6 +194,17 @@ def _loads(found: CrewRotation, wording: Wording) -> AnyBlock:
     )
     header = ["Region", "Maximum acceptable effort", "Dose of damage", "Cumulative strain index"]
     return Table(caption, [wording.say(name) for name in header], rows)
+
+
+def _lifted(found: CrewRotation, wording: Wording) -> Iterator[Table]:
+    """By station the lifting index with the hours of the rota, if loads are lifted."""
+    rows = [[wording.name(station), judgement_text(each, wording)] for station, each in found.lifted.items()]
+    if rows:
+        caption = (
+            "NIOSH's lifting index with the hours of lifting in the rota, for the worst of all workers; each station "
+            "alone, also where somebody lifts at several."
+        )
+        yield table(wording, caption, ["Station", "NIOSH lifting index"], rows)
 
 
 def _within(found: CrewRotation, wording: Wording) -> Table:
