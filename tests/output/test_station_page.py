@@ -68,7 +68,7 @@ from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.recommendation import best_of, excluded, places_for_workers, ranked, summaries
 from fatigue_planner.station.robot_reach import CANNOT_PRESENT, TOO_NEAR
 from fatigue_planner.station.schema import Place, Station
-from fatigue_planner.station.statements import assumptions_of, headline_of, of_robot
+from fatigue_planner.station.statements import NOT_ACCEPTABLE, assumptions_of, headline_of, of_robot
 from fatigue_planner.station.tables import INDICATOR_COLUMNS, indicator_rows, plain, write
 from fatigue_planner.station.workers import facts_of
 
@@ -374,11 +374,31 @@ def test_the_fullest_first_side_is_one_sheet_of_paper(
     """With more sentences and places than it takes; and no width is too small for the page."""
     shelf, station = assessment.summaries[0], assessment.station
     many = {f"shelf_z{number}": station.places[shelf.place] for number in range(20)}
+    assert assessment.robot is not None
+    too_far = next(each for each in assessment.robot.places if each.reason)
+    assert too_far.left_out is not None
+    rules = "RULA (right trunk, 7 s), EN 1005-4 (trunk bent, 7 s), OWAS (legs, 7 s)"
+    named: dict[str, str | float] = {"operation": "fit", "place": "shelf_z9_of_the_long_rack", "rules": rules}
+    forbidden = Phrase(NOT_ACCEPTABLE, named | {"seconds": 7, "cycle_s": 42})
     full = replace(
         assessment,
         station=station.model_copy(update={"places": station.places | many}),
-        headline=assessment.headline * 5,
+        headline=assessment.headline * 5 + (forbidden,) * 7,
         summaries=assessment.summaries + tuple(replace(shelf, place=name) for name in many),
+        robot=replace(
+            assessment.robot,
+            places=assessment.robot.places
+            + tuple(
+                replace(
+                    too_far,
+                    place=name,
+                    left_out=too_far.left_out._replace(
+                        values={**too_far.left_out.values, "place": f"{name}_of_the_long_rack"}
+                    ),
+                )
+                for name in many
+            ),
+        ),
     )
     (tmp_path / "page.html").write_text(station_page(full, postures, catalogue_of(language)), encoding="utf-8")
     with chromium(tmp_path / "profile") as page:
