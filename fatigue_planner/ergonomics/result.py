@@ -66,6 +66,13 @@ class Span(NamedTuple):
         return low if low == high else f"{low} to {high}"
 
 
+class Seconds(float):
+    """Seconds, of which less than one have a decimal where whole ones are printed: a short time is not none."""
+
+    def __format__(self, spec: str) -> str:
+        return format(max(float(self), 0.1), ".1f") if spec == ".0f" and 0 < self < 0.95 else format(float(self), spec)
+
+
 def printed(value: float, digits: int) -> str:
     """A value with so many decimals; an infinite one as its sign."""
     return f"{value:.{digits}f}" if isfinite(value) else "∞"

@@ -17,7 +17,7 @@ TEXTS = Path(__file__).parent / "texts"
 ENGLISH = "en"
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 # A word with seconds behind it, and seconds alone, which are the same in all languages.
-_TIMED, _SECONDS = re.compile(r"([^,()]+), (\d+ s)"), re.compile(r"\d+ s")
+_TIMED, _SECONDS = re.compile(r"([^,()]+), ([\d.]+ s)"), re.compile(r"[\d.]+ s")
 _FIELD = re.compile(r"\\{(\w+)\\}")
 
 
@@ -51,12 +51,14 @@ class Catalogue:
 
     def term(self, text: str) -> str:
         """A word, a name of a part, or a list of them, which is not a template."""
-        if self.language == ENGLISH or not text or _SECONDS.fullmatch(text):
+        if self.language == ENGLISH or not text:
             return text
+        if _SECONDS.fullmatch(text):
+            return self._signs(text)
         if (found := self._texts.texts.get(text)) is not None:
             return found
         if timed := _TIMED.fullmatch(text):
-            return f"{self.term(timed[1])}, {timed[2]}"
+            return f"{self.term(timed[1])}, {self._signs(timed[2])}"
         for pattern, template in self._patterns:
             if match := pattern.fullmatch(text):
                 return template.format(**{name: self._part(part) for name, part in match.groupdict().items()})
