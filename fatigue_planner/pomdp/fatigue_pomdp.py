@@ -395,6 +395,7 @@ def build_pomdp(
     observation = np.eye(len(preferences)) if recognition_matrix is None else recognition_matrix
     observation = observation.reshape(-1, *observation.shape[-2:])
     odds = np.zeros((1, len(preferences))) if log_odds is None else log_odds
+    odds = odds[:1] if (odds == odds[0]).all() else odds  # else states would keep what nothing depends on
     factors = np.exp(odds - odds.max(axis=1, keepdims=True))
     empty = np.zeros((0, 0))
     nothing = CostArrays(np.zeros(0), 0.0, np.zeros(0), True, False)

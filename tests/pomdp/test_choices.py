@@ -104,6 +104,11 @@ def test_boltzmann_is_what_there_was_to_the_bit() -> None:
     assert fingerprint(small_model(25.0, choices=LIKED)) != fingerprint(plain)
 
 
+def test_who_has_no_habit_remembers_nothing() -> None:
+    none = small_model(25.0, choices=InertiaChoice(kind="inertia", inertia=0, offsets=LIKED.offsets))
+    assert not none.remembers and fingerprint(none) == fingerprint(small_model(25.0, choices=LIKED))
+
+
 def seen_as(recognition: np.ndarray | None) -> np.ndarray:
     """P(o | u) by action (A, U, O)."""
     return np.broadcast_to(np.eye(2) if recognition is None else recognition, (2, 2, 2))
