@@ -57,7 +57,7 @@ FAULTS = (
         ("a reaction's key without the body's data",
          "reactions/test_reactions.py::test_the_key_of_a_reaction_knows_sources_and_libraries",
          'if path.suffix in {".py", ".yaml"}', 'if path.suffix in {".py"}'),
-        ("the hash of a part is not checked", "whole/test_bit_flips.py::test_flipped_bits_are_noticed[trials]",
+        ("the hash of a part is not checked", "whole/test_bit_flips.py::test_a_changed_digit_is_noticed[trials]",
          'intact = content.pop("sha256") == digest_of(content) and text == _sealed(content)',
          'intact = bool(content.pop("sha256"))'),
         ("a file is overwritten in place", "core/test_files.py::test_a_failed_write_leaves_the_old_file_and_no_other",

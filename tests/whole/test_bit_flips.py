@@ -115,6 +115,18 @@ def test_flipped_bits_are_noticed(kind: str, kept: Path, small: Experiment, grid
     flip(Noticed(kept, tmp_path, small, grid), kind, 10, seed=1)
 
 
+@pytest.mark.parametrize("kind", ["trials", "table", "actions", "manifest"])
+def test_a_changed_digit_is_noticed(kind: str, kept: Path, small: Experiment, grid: list[Cell], tmp_path: Path) -> None:
+    """The lowest bit of a digit makes it another one, so that nothing but a checksum tells."""
+    noticed = Noticed(kept, tmp_path, small, grid)
+    path = noticed.path(kind)
+    whole = path.read_bytes()
+    digits = [index for index, letter in enumerate(whole) if chr(letter).isdigit()]
+    for index in np.random.default_rng(3).choice(digits, 10, replace=False):
+        path.write_bytes(whole[:index] + bytes([whole[index] ^ 1]) + whole[index + 1 :])
+        assert noticed.by(kind), f"byte {index} of {path.name}"
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", SLOW)
 def test_many_flipped_bits_are_noticed(
