@@ -17,6 +17,7 @@ from fatigue_planner.cli.doctor import doctor
 from fatigue_planner.cli.init import init
 from fatigue_planner.cli.reach import reach
 from fatigue_planner.cli.recognise import recognise
+from fatigue_planner.cli.record_fit import fit
 from fatigue_planner.cli.report import report
 from fatigue_planner.cli.rotate import rotate
 from fatigue_planner.cli.schedule import schedule
@@ -49,6 +50,7 @@ live.app.command(epilog=options.EXIT_CODES)(clients.recognise)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.report)
 live.app.command(epilog=options.EXIT_CODES)(shift_report.card)
 record.app.command(epilog=options.EXIT_CODES)(recognise)
+record.app.command(epilog=options.EXIT_CODES)(fit)
 record.app.command("import", epilog=options.EXIT_CODES)(record_import.import_)
 for group in (human.app, cache.app, live.app, record.app):
     app.add_typer(group, epilog=options.EXIT_CODES)

@@ -161,6 +161,15 @@ def test_what_cannot_be_imported_is_said_before_anything_is_read(recorded: Path)
     )
 
 
+def test_what_cannot_be_fitted_is_said() -> None:
+    assert "--preference 'leg': not in the experiment; available: arm, back." in refused(
+        2, "record", "fit", "paper", "--preference", "leg"
+    )
+    assert "--preference 'arm': no recorded reaction can be used: `recorded` names none." in refused(
+        2, "record", "fit", "paper", "--preference", "arm"
+    )
+
+
 def check_pages(folder: Path, key: str) -> None:
     """What one looks at before believing a torque: nothing is loaded from elsewhere, anybody can use it."""
     text = (folder / "report.html").read_text()
@@ -202,6 +211,14 @@ def test_a_mixed_experiment_runs(recorded: Path) -> None:
     mixed = yaml.safe_load((recorded / "mixed.yaml").read_text())
     mixed["recorded"] = {"average_man": {"high": {"arm": found["key"]}}}
     (recorded / "mixed.yaml").write_text(yaml.safe_dump(mixed, sort_keys=False))
+    os.chdir(recorded)
+    try:  # what was recorded is what was simulated, so that nothing is closer
+        fitted = document("record fit", "mixed.yaml", "--preference", "arm", "--evaluations", "10", "--write", "f.yaml")
+    finally:
+        os.chdir(before)
+    assert fitted["after_deg"] <= fitted["before_deg"] < 1 and fitted["helps"] is fitted["others_deg"] is None
+    assert [one["name"] for one in fitted["recordings"]] == ["average_man/high/arm"]
+    assert yaml.safe_load((recorded / "f.yaml").read_text()) == {"preferences": {"arm": fitted["preference"]}}
     assert "average_man/high/arm             recorded, ok; hand within" in done("simulate", "mixed.yaml")
     done("benchmark", "mixed.yaml", "--jobs", "1")
     done("report", "mixed.yaml")

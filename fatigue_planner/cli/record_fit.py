@@ -1,0 +1,154 @@
+"""`fatplan record fit`: the weights and stiffnesses of a preference that come closest to recorded motions."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fatigue_planner.cli import options
+from fatigue_planner.cli.progress import progress
+from fatigue_planner.core.errors import SelectionError, listed
+
+if TYPE_CHECKING:
+    from fatigue_planner.experiment.schema import Experiment
+    from fatigue_planner.recordings.learning.preference_fit import Example, PreferenceFit
+
+# So many joints are told, those whose angles were farthest off.
+JOINTS = 5
+
+
+def fit(
+    experiment: options.ExperimentFile,
+    preference: Annotated[str, typer.Option("--preference", help="The preference that is fitted.")],
+    evaluations: Annotated[
+        int, typer.Option(min=10, max=10_000, help="How often each search simulates the recorded motions.")
+    ] = 100,
+    write: Annotated[
+        Path | None,
+        typer.Option("--write", help="Write the fitted preference (YAML), to be put into an experiment."),
+    ] = None,
+    cache: options.CacheFolder = options.DEFAULT_CACHE,
+    jobs: options.Jobs = options.ALL_CORES,
+    plugins: options.Plugins = None,
+    as_json: options.Json = False,
+) -> None:
+    """Fit weights and stiffnesses of a preference's tasks to the recorded reactions of an EXPERIMENT (`recorded`).
+
+    Says how far the angles of simulated motions are off the recorded ones: with the preference as it is, with the one
+    fitted to all recordings, and, where several people were recorded, of each with the one fitted to the others.
+    """
+    import yaml
+
+    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.experiment.loader import load_experiment
+    from fatigue_planner.recordings.learning.preference_fit import fit_preference, rms, searches
+
+    settings = load_experiment(experiment)
+    examples, left_out = _examples(settings, preference, cache, options.command_line("simulate", experiment, cache))
+    with progress("Searching", len(searches(examples))) as counter:
+        found = fit_preference(examples, evaluations, options.executor_of(jobs, None), counter.advance)
+    if write is not None:
+        content = {"preferences": {preference: found.preference.plain()}}
+        publish_text(write, yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=120))
+    document: dict[str, Any] = {
+        "preference": found.preference.plain(),
+        "left_out": left_out,
+        "before_deg": rms(found.before_deg),
+        "after_deg": rms(found.after_deg),
+        "others_deg": None if found.others_deg is None else rms(found.others_deg),
+        "helps": found.helps,
+        "recordings": [
+            {
+                "name": str(name),
+                "before_deg": rms(found.before_deg[number]),
+                "after_deg": rms(found.after_deg[number]),
+                "others_deg": None if found.others_deg is None else rms(found.others_deg[number]),
+            }
+            for number, name in enumerate(found.names)
+        ],
+        "joints": _joints(found),
+        "file": write,
+    }
+    options.present(document, "\n".join(_lines(settings, preference, document, write)), as_json)
+
+
+def _examples(
+    settings: "Experiment", preference: str, cache: Path, command: str
+) -> "tuple[list[Example], dict[str, str]]":
+    """The recorded reactions of a preference, and why others may not be used."""
+    import numpy as np
+
+    from fatigue_planner.experiment.build import reaction_requests
+    from fatigue_planner.reactions.cache import ReactionCache
+    from fatigue_planner.reactions.reaction import FailedReaction
+    from fatigue_planner.recordings.learning.preference_fit import Example
+
+    if preference not in settings.preferences:
+        raise SelectionError(
+            f"--preference {preference!r}: not in the experiment; available: {listed(settings.preferences)}."
+        )
+    if not settings.preferences[preference].tasks:
+        raise SelectionError(f"--preference {preference!r}: has no tasks whose weights could be fitted.")
+    requests = [
+        request
+        for request in reaction_requests(settings)
+        if request.recorded is not None and request.name.preference == preference
+    ]
+    examples, left_out = [], {}
+    for request, reaction in zip(requests, ReactionCache(cache).stream(requests, command), strict=True):
+        if isinstance(reaction, FailedReaction):
+            left_out[str(request.name)] = reaction.reason
+        else:
+            angles_deg = np.degrees(reaction.motion.configuration[:, 7:])
+            examples.append(Example(request.name, request.motion, angles_deg))
+    if not examples:
+        why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items()) or "`recorded` names none"
+        raise SelectionError(f"--preference {preference!r}: no recorded reaction can be used: {why}.")
+    return examples, left_out
+
+
+def _joints(found: "PreferenceFit") -> list[dict[str, Any]]:
+    """The joints by how far they are off, the farthest first."""
+    import numpy as np
+
+    from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+
+    every = (found.before_deg, found.after_deg, found.others_deg)
+    before, after, others = (None if each is None else np.sqrt(np.mean(each**2, axis=0)) for each in every)
+    assert before is not None and after is not None
+    return [
+        {
+            "joint": DEGREES_OF_FREEDOM[number],
+            "before_deg": float(before[number]),
+            "after_deg": float(after[number]),
+            "others_deg": None if others is None else float(others[number]),
+        }
+        for number in np.argsort(-before, kind="stable")
+    ]
+
+
+def _lines(settings: "Experiment", name: str, document: dict[str, Any], write: Path | None) -> list[str]:
+    def course(row: dict[str, Any]) -> str:
+        others = "" if row["others_deg"] is None else f", {row['others_deg']:.1f} fitted to other people"
+        return f"{row['before_deg']:.1f} as it was, {row['after_deg']:.1f} fitted{others}"
+
+    lines = [f"Left out: {left}: {reason}." for left, reason in document["left_out"].items()]
+    lines.append(f"{name}: how far simulated angles are off the recorded ones, in degrees (RMS): {course(document)}")
+    lines += [f"  {row['name']}: {course(row)}" for row in document["recordings"]]
+    lines += [f"  {row['joint']}: {course(row)}" for row in document["joints"][:JOINTS]]
+    for number, (before, after) in enumerate(
+        zip(settings.preferences[name].tasks, document["preference"]["tasks"], strict=True), start=1
+    ):
+        stiffness = before.stiffness_per_s2
+        was = "the controller's" if stiffness is None else f"{stiffness:g}"
+        lines.append(
+            f"  task {number}, {before.kind}: weight {before.weight:g} -> {after['weight']:g}, "
+            f"stiffness {was} -> {after['stiffness_per_s2']:g} 1/s^2"
+        )
+    verdicts = {
+        None: "Only one person was recorded: whether it is closer to others, too, is not known.",
+        True: "It is closer to people to whom it was not fitted, too.",
+        False: "It is not closer to people to whom it was not fitted: keep the preference as it is.",
+    }
+    lines.append(verdicts[document["helps"]])
+    return lines if write is None else [*lines, f"{write}: the preference."]
