@@ -75,8 +75,8 @@ def key(given: object) -> str | None:
 
 
 def likelihoods(given: object, outcomes: tuple[str, ...]) -> dict[str, float]:
-    """Likelihoods by reaction. Raises EvidenceError."""
-    what = f"should be numbers from 0 to 1, not all 0, by reaction: {listed(outcomes)}"
+    """Likelihoods by preference. Raises EvidenceError."""
+    what = f"should be numbers from 0 to 1, not all 0, by preference: {listed(outcomes)}"
     if not isinstance(given, Mapping) or not given:
         raise EvidenceError(f"likelihood {shortened(given)}: {what}.")
     for name, value in given.items():

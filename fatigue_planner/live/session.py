@@ -261,7 +261,7 @@ class Session:
         """A cycle has ended; the decision for the next.
 
         executed: the action that the robot did, by default the one that was decided. observation: the reaction that was
-        recognised, or likelihood: how likely what was measured is under every reaction, by name; neither: nothing was
+        recognised, or likelihood: how likely what was measured is under every preference, by name; neither: nothing was
         seen. duration_s: of the cycle, by default as planned. What the clock says has passed beyond it since the cycle
         before was rest.
 
