@@ -39,11 +39,13 @@ def fit(
     """
     import yaml
 
-    from fatigue_planner.core.files import publish_text
+    from fatigue_planner.core.files import publish_text, writable_folder
     from fatigue_planner.experiment.loader import load_experiment
     from fatigue_planner.recordings.learning.preference_fit import fit_preference, rms, searches
 
     settings = load_experiment(experiment)
+    if write is not None:
+        writable_folder(write.parent)
     examples, left_out = _examples(settings, preference, cache, options.command_line("simulate", experiment, cache))
     with progress("Searching", len(searches(examples))) as counter:
         found = fit_preference(examples, evaluations, options.executor_of(jobs, None), counter.advance)
@@ -129,8 +131,10 @@ def _joints(found: "PreferenceFit") -> list[dict[str, Any]]:
 
 def _lines(settings: "Experiment", name: str, document: dict[str, Any], write: Path | None) -> list[str]:
     def course(row: dict[str, Any]) -> str:
-        others = "" if row["others_deg"] is None else f", {row['others_deg']:.1f} fitted to other people"
-        return f"{row['before_deg']:.1f} as it was, {row['after_deg']:.1f} fitted{others}"
+        before, after, others = (
+            None if row[key] is None else f"{row[key]:.1f}" for key in ("before_deg", "after_deg", "others_deg")
+        )
+        return f"{before} as it was, {after} fitted" + (f", {others} fitted to other people" if others else "")
 
     lines = [f"Left out: {left}: {reason}." for left, reason in document["left_out"].items()]
     lines.append(f"{name}: how far simulated angles are off the recorded ones, in degrees (RMS): {course(document)}")
