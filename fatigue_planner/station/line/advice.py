@@ -112,7 +112,8 @@ def advise(line: LineLoad) -> Advice | None:
     usual = burden_of(line, usual_places(crew.workers, crew.stations, line.slots, line.slot_s))
     redesign = None
     if best.largest > ACCEPTABLE:
-        for station in range(crew.stations):
+        # the hardest first: then few others have to be looked at closely
+        for station in np.argsort([-alone for alone in slots_alone(line)], kind="stable").tolist():
             eased = least_burden(line.without_load(station).crew(), np.inf if redesign is None else redesign[1])
             redesign = redesign if eased is None else (station, eased)
     return Advice(best, staying, usual, too_much(line), redesign)
@@ -141,14 +142,19 @@ def burden_of(line: LineLoad, places: Counts) -> float | None:
 
 def too_much(line: LineLoad) -> tuple[int, ...]:
     """The stations of which a single slot is more than acceptable to everybody who may work there."""
-    found = []
-    for station in range(len(line.demands[0])):
-        once = np.zeros((1, len(line.demands[0])), dtype=np.int64)
-        once[0, station] = 1
-        burdens = [line.burden(w)(once)[0] for w, own in enumerate(line.demands) if own[station] is not None]
-        if burdens and min(burdens) > ACCEPTABLE:
-            found.append(station)
-    return tuple(found)
+    return tuple(station for station, alone in enumerate(slots_alone(line)) if alone > ACCEPTABLE)
+
+
+def slots_alone(line: LineLoad) -> list[float]:
+    """By station the burden of a single slot there, and nothing else all shift, for whom it is least; 0: nobody may."""
+    once = np.eye(len(line.demands[0]), dtype=np.int64)
+    return [
+        min(
+            (float(line.burden(w)(row[None])[0]) for w, own in enumerate(line.demands) if own[station] is not None),
+            default=0.0,
+        )
+        for station, row in enumerate(once)
+    ]
 
 
 def pause_worth(line: LineLoad, places: Counts, pause_s: float) -> float:

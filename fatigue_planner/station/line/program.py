@@ -201,6 +201,8 @@ def _least_limit(columns: Columns, below: float = np.inf) -> tuple[float, float]
     values = every if columns.complete else _apart(every)
     if not len(values) or columns.relaxed(values[-1], None) > INFEASIBLE_ABOVE:
         return None
+    if np.isfinite(below) and columns.solved(values[-1], None) is None:
+        return None
     low, high = 0, len(values) - 1  # the least index whose relaxation can be kept to
     while low < high:
         middle = (low + high) // 2
