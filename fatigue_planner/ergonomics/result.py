@@ -66,7 +66,7 @@ class Span(NamedTuple):
         return low if low == high else f"{low} to {high}"
 
 
-class Seconds(float):
+class ShownSeconds(float):
     """Seconds, of which less than one have a decimal where whole ones are printed: a short time is not none."""
 
     def __format__(self, spec: str) -> str:

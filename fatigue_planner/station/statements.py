@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from fatigue_planner.ergonomics.result import Level, Phrase, Seconds
+from fatigue_planner.ergonomics.result import Level, Phrase, ShownSeconds
 from fatigue_planner.fatigue.entries import ENTRIES
 from fatigue_planner.robot.scan import Standpoint
 from fatigue_planner.station.assessment import (
@@ -141,7 +141,7 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
             continue
         named: Values = {"operation": each.operation, "place": each.place, "rules": rules_named(each.by)}
         if longest := max((rule.not_acceptable_s or 0.0 for rule in each.by), default=0.0):
-            times = {"seconds": Seconds(longest), "cycle_s": station.cycle.duration_s}
+            times = {"seconds": ShownSeconds(longest), "cycle_s": station.cycle.duration_s}
             yield Phrase(NOT_ACCEPTABLE, named | times)
         else:
             yield Phrase(NOT_ACCEPTABLE_AT_ALL, named)
@@ -150,7 +150,7 @@ def _not_acceptable(station: Station, summaries: Sequence[PlaceSummary]) -> Phra
 def rules_named(rules: Sequence[Rule]) -> str:
     """The rules, that with the most seconds first: the part of the body that each finds worst, and its seconds."""
     ordered = sorted(rules, key=lambda rule: -(rule.not_acceptable_s or 0.0))
-    times = [f"{Seconds(rule.not_acceptable_s):.0f} s" if rule.not_acceptable_s else "" for rule in ordered]
+    times = [f"{ShownSeconds(rule.not_acceptable_s):.0f} s" if rule.not_acceptable_s else "" for rule in ordered]
     found = [", ".join(filter(None, parts)) for parts in zip((rule.part for rule in ordered), times, strict=True)]
     return ", ".join(
         f"{rule.title} ({said})" if said else rule.title for rule, said in zip(ordered, found, strict=True)

@@ -22,7 +22,7 @@ from fatigue_planner.core.settings import load_data
 from fatigue_planner.ergonomics.indicator import INDICATORS
 from fatigue_planner.ergonomics.operation import Operation
 from fatigue_planner.ergonomics.registry import evaluate
-from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase, Seconds
+from fatigue_planner.ergonomics.result import ORIGINS, Level, Phrase, ShownSeconds
 from fatigue_planner.ergonomics.stated import Circumstances
 from fatigue_planner.experiment.pose_grid import point_name
 from fatigue_planner.fatigue.entries import ENTRIES, JOINT_GROUPS
@@ -335,7 +335,12 @@ def test_a_time_of_less_than_a_second_is_not_none() -> None:
     """Not `0 of 42 s`; and a language's decimal sign also inside the list of rules."""
     rule = Rule("rula", "RULA", Level.NOT_ACCEPTABLE, 0.26, "right trunk")
     assert rules_named([rule]) == "RULA (right trunk, 0.3 s)"
-    named: dict[str, str | float] = {"operation": "fit", "place": "door", "cycle_s": 42.0, "seconds": Seconds(0.26)}
+    named: dict[str, str | float] = {
+        "operation": "fit",
+        "place": "door",
+        "cycle_s": 42.0,
+        "seconds": ShownSeconds(0.26),
+    }
     phrase = Phrase(NOT_ACCEPTABLE, named | {"rules": rules_named([rule])})
     assert str(phrase) == "fit at door is not acceptable for 0.3 of 42 s by RULA (right trunk, 0.3 s)"
     german = Wording(catalogue_of("de"), ())
@@ -343,7 +348,7 @@ def test_a_time_of_less_than_a_second_is_not_none() -> None:
         german.sentence(phrase) == "Fit bei door ist 0,3 von 42 s lang nicht annehmbar nach RULA (Rumpf rechts, 0,3 s)."
     )
     assert not german.catalogue.missing and german.rules([rule], 42.0) == "RULA (Rumpf rechts) 0,3 von 42 s"
-    printed = [f"{Seconds(seconds):.0f}" for seconds in (0, 0.02, 0.94, 0.96, 1.4, 12.5)]
+    printed = [f"{ShownSeconds(seconds):.0f}" for seconds in (0, 0.02, 0.94, 0.96, 1.4, 12.5)]
     assert printed == ["0", "0.1", "0.9", "1", "1", "12"]
 
 

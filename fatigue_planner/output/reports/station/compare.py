@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from fatigue_planner.ergonomics.result import Level, Seconds
+from fatigue_planner.ergonomics.result import Level, ShownSeconds
 from fatigue_planner.output.reports.page import Table, Text
 from fatigue_planner.output.reports.results.compare import differences, flat
 from fatigue_planner.output.reports.station.blocks import Group, Groups, Part, table
@@ -92,7 +92,7 @@ def _cycle_row(both: Both, label: str, before: StoredCycle | None, after: Stored
 def _place_words(wording: Wording, found: StoredPlace) -> str:
     parts = []
     if found.seconds:
-        parts.append(wording.say("{seconds:.0f} s above the rule", seconds=Seconds(found.seconds)))
+        parts.append(wording.say("{seconds:.0f} s above the rule", seconds=ShownSeconds(found.seconds)))
     if found.missed_by:
         parts.append(wording.say("cannot: {workers}", workers=wording.workers(found.missed_by)))
     parts += _fatigue_words(wording, found.peak, found.entry)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from fatigue_planner.ergonomics.result import Level, Phrase, Seconds
+from fatigue_planner.ergonomics.result import Level, Phrase, ShownSeconds
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Groups, Part, PostureRow
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
@@ -164,7 +164,7 @@ def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[st
     text = "Worst there: {part}, for {seconds:.0f} of {cycle_s:.0f} s not acceptable."
     part, cycle_s = wording.part(found), assessment.station.cycle.duration_s
     if rule.not_acceptable_s and part:
-        yield wording.say(text, part=part, seconds=Seconds(rule.not_acceptable_s), cycle_s=cycle_s)
+        yield wording.say(text, part=part, seconds=ShownSeconds(rule.not_acceptable_s), cycle_s=cycle_s)
     edition, origin = wording.catalogue.term(found.edition), wording.catalogue.term(found.origin.words)
     yield wording.say("Edition: {edition} ({origin}).", edition=edition, origin=origin)
 

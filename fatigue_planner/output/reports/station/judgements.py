@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import groupby
 
 from fatigue_planner.ergonomics.result import Assessment as Judgement
-from fatigue_planner.ergonomics.result import Seconds
+from fatigue_planner.ergonomics.result import ShownSeconds
 from fatigue_planner.output.reports.page import Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, table
 from fatigue_planner.output.reports.station.wording import Wording
@@ -65,7 +65,7 @@ def judgement_text(judgement: Judgement, wording: Wording) -> str:
     times, part = judgement.times, wording.part(judgement)
     seconds = ""
     if times and times.not_acceptable_s > 0:
-        seconds = wording.say(", {seconds:.0f} s not acceptable", seconds=Seconds(times.not_acceptable_s))
+        seconds = wording.say(", {seconds:.0f} s not acceptable", seconds=ShownSeconds(times.not_acceptable_s))
     where = ""
     if part and judgement.worst:
         where = wording.say("; worst: {part} at {time:.0f} s", part=part, time=judgement.worst.time_s)

@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 from fatigue_planner.core.text import format_label
 from fatigue_planner.ergonomics.result import Assessment as Judgement
-from fatigue_planner.ergonomics.result import Level, Phrase, Seconds
+from fatigue_planner.ergonomics.result import Level, Phrase, ShownSeconds
 from fatigue_planner.output.reports.page import prose
 from fatigue_planner.output.reports.station.catalogue import Catalogue
 from fatigue_planner.station.assessment import Rule
@@ -89,7 +89,7 @@ class Wording:
         return self.say(
             "{rule} for {seconds:.0f} of {cycle_s:.0f} s",
             rule=title,
-            seconds=Seconds(rule.not_acceptable_s),
+            seconds=ShownSeconds(rule.not_acceptable_s),
             cycle_s=cycle_s,
         )
 
