@@ -618,7 +618,7 @@ FAULTS = (
     ),
     *_in("output/reports/station/wording.py",
         ("the page says the seconds that are left", f"{PAGE}::test_the_first_side_says_what_counts",
-         "seconds=rule.not_acceptable_s, cycle_s", "seconds=cycle_s - rule.not_acceptable_s, cycle_s"),
+         "ShownSeconds(rule.not_acceptable_s)", "ShownSeconds(cycle_s - rule.not_acceptable_s)"),
     ),
     *_in("output/reports/station/maps.py",
         ("the map names the next rule", f"{PAGE}::test_a_grid_of_places_is_drawn_as_a_map",
