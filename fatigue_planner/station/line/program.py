@@ -159,9 +159,7 @@ def best_rota(crew: Crew) -> Rota | None:
     if lowest is None:
         return None
     bound, limit = lowest
-    scale = limit if limit > 0 else 1.0
-    with np.errstate(invalid="ignore"):
-        cost = np.where(crew.burden <= limit, (crew.burden / scale) ** 2, 0.0)
+    cost = _squares(crew, limit)
     fair_bound = columns.relaxed(limit, cost)
     counts = columns.solved(limit, cost)
     assert counts is not None, "the limit was kept to"
@@ -201,8 +199,10 @@ def _least_limit(columns: Columns, below: float = np.inf) -> tuple[float, float]
     values = every if columns.complete else _apart(every)
     if not len(values) or columns.relaxed(values[-1], None) > INFEASIBLE_ABOVE:
         return None
-    if np.isfinite(below) and columns.solved(values[-1], None) is None:
-        return None
+    if np.isfinite(below):
+        columns.relaxed(values[-1], _squares(columns.crew, values[-1]))  # asks for more spans
+        if columns.solved(values[-1], None) is None:
+            return None
     low, high = 0, len(values) - 1  # the least index whose relaxation can be kept to
     while low < high:
         middle = (low + high) // 2
@@ -224,6 +224,12 @@ def _least_limit(columns: Columns, below: float = np.inf) -> tuple[float, float]
         else:
             above = middle
     return (float(values[above]) if columns.proven else bound), float(values[above])
+
+
+def _squares(crew: Crew, limit: float) -> Matrix:
+    """The squares of the burdens up to a limit, as shares of it, (workers, n); 0 above it."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(crew.burden <= limit, (crew.burden / (limit if limit > 0 else 1.0)) ** 2, 0.0))
 
 
 def _apart(values: Vector) -> Vector:
