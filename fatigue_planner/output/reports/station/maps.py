@@ -67,32 +67,29 @@ def _map(
     if axes[0] == "y":
         columns = columns[::-1]  # what is to the left is at the left
     rules = list(dict.fromkeys(filter(None, map(_decides, own))))
+    without_robot = ruled_out(assessment.robot.places if assessment.robot else ())
+    out = {each.place: why for each in own if (why := without_robot.get((each.operation, each.place)))}
     drawn = [
-        _point(assessment, wording, each, rules, _LEFT + _WIDE * columns.index(getattr(at[each.place], axes[0])),
+        _point(assessment, wording, each, rules, out.get(each.place),
+               _LEFT + _WIDE * columns.index(getattr(at[each.place], axes[0])),
                _ABOVE + _HIGH * (len(rows) - 1 - rows.index(getattr(at[each.place], axes[1]))))
         for each in own
     ]  # fmt: skip
     width, height = _LEFT + _WIDE * len(columns) + 4, _ABOVE + _HIGH * len(rows) + _BELOW
-    words = _in_words(assessment, wording, title, own)
+    words = _in_words(wording, title, own, len(out))
     svg = Markup('<svg role="img" aria-label="{}" width="{}" height="{}" viewBox="0 0 {} {}">{}{}</svg>').format(
         words, width, height, width, height, _scales(wording, columns, rows, axes), Markup("").join(drawn)
     )
-    return Map(words, svg, list(_legend(assessment, wording, own, rules)))
+    return Map(words, svg, list(_legend(assessment, wording, own, rules, bool(out))))
 
 
-def _in_words(assessment: StationAssessment, wording: Wording, title: str, own: Sequence[PlaceSummary]) -> str:
+def _in_words(wording: Wording, title: str, own: Sequence[PlaceSummary], without_robot: int) -> str:
     """What the picture shows, for who does not see it: how many places of every level."""
     counts = [(wording.catalogue.term(level.words), sum(each.level == level for each in own)) for level in Level]
     counts.append((wording.say("not reached"), sum(each.level is None for each in own)))
-    counts.append((wording.say("left out because of the robot"), len(_without_robot(assessment, own))))
+    counts.append((wording.say("left out because of the robot"), without_robot))
     levels = ", ".join(f"{count} {words}" for words, count in counts if count)
     return wording.say("Map: {title}. {count} places: {levels}.", title=title, count=len(own), levels=levels)
-
-
-def _without_robot(assessment: StationAssessment, own: Sequence[PlaceSummary]) -> dict[str, Phrase]:
-    """The places that the station's robot rules out, and why."""
-    out = ruled_out(assessment.robot.places if assessment.robot else ())
-    return {each.place: out[each.operation, each.place] for each in own if (each.operation, each.place) in out}
 
 
 def _decides(each: PlaceSummary) -> str:
@@ -101,7 +98,13 @@ def _decides(each: PlaceSummary) -> str:
 
 
 def _point(
-    assessment: StationAssessment, wording: Wording, each: PlaceSummary, rules: Sequence[str], x: int, y: int
+    assessment: StationAssessment,
+    wording: Wording,
+    each: PlaceSummary,
+    rules: Sequence[str],
+    out: Phrase | None,
+    x: int,
+    y: int,
 ) -> Markup:
     fill, ink = INKS[each.level]
     sign = CANNOT if each.level is None else SIGNS[each.level]
@@ -116,7 +119,7 @@ def _point(
     best = assessment.best.places.get(each.operation) == each.place
     if best:
         lines[0] = f"{RECOMMENDED} {lines[0]}"
-    if _without_robot(assessment, [each]):
+    if out is not None:
         lines[0] = f"{NO_ROBOT} {lines[0]}"
     hatch = "".join(_hatch(x, y)) if each.level == Level.NOT_ACCEPTABLE else ""
     letters = "".join(
@@ -130,7 +133,9 @@ def _point(
         f'stroke-width="{3 if best else 1}"{dashes}/>'
     )
     ground = f'<rect x="{x + 1}" y="{y + 1}" width="{_WIDE - 2}" height="{_HIGH - 2}" fill="{fill}"/>'
-    return Markup(f"<g><title>{escape(_told(assessment, wording, each))}</title>{ground}{hatch}{frame}{letters}</g>")
+    return Markup(
+        f"<g><title>{escape(_told(assessment, wording, each, out))}</title>{ground}{hatch}{frame}{letters}</g>"
+    )
 
 
 def _hatch(x: int, y: int) -> Iterator[str]:
@@ -143,13 +148,14 @@ def _hatch(x: int, y: int) -> Iterator[str]:
     yield f'<path d="{lines}" stroke="{_HATCH_INK}" fill="none"/>'
 
 
-def _told(assessment: StationAssessment, wording: Wording, each: PlaceSummary) -> str:
+def _told(assessment: StationAssessment, wording: Wording, each: PlaceSummary, out: Phrase | None) -> str:
     """A point in words, as the table of all places has it."""
     parts = [wording.name(each.place), wording.light(each.level, wording.say("not reached"))[2:]]
     parts.append(wording.rules(each.by, assessment.station.cycle.duration_s))
     if each.missed_by:
         parts.append(wording.say("cannot: {workers}", workers=wording.workers(each.missed_by)))
-    parts += map(wording.sentence, _without_robot(assessment, [each]).values())
+    if out is not None:
+        parts.append(wording.sentence(out))
     return "; ".join(filter(None, parts))
 
 
@@ -184,7 +190,11 @@ def _scales(wording: Wording, columns: Sequence[float], rows: Sequence[float], a
 
 
 def _legend(
-    assessment: StationAssessment, wording: Wording, own: Sequence[PlaceSummary], rules: Sequence[str]
+    assessment: StationAssessment,
+    wording: Wording,
+    own: Sequence[PlaceSummary],
+    rules: Sequence[str],
+    has_left_out: bool,
 ) -> Iterator[str]:
     """What the signs mean that the map has, and the rules by their numbers."""
     levels = [f"{SIGNS[level]} {wording.catalogue.term(level.words)}" for level in Level]
@@ -198,7 +208,7 @@ def _legend(
         numbers = ", ".join(f"{i} {wording.catalogue.term(title)}" for i, title in enumerate(rules, start=1))
         yield wording.say("Number beside a sign: the rule that decides: {numbers}.", numbers=numbers)
     yield wording.say("Per cent: the highest fatigue; R: the RULA score of the worst of the workers.")
-    if _without_robot(assessment, own):
+    if has_left_out:
         yield wording.say("{sign}: left out, as the robot cannot present it or comes too near.", sign=NO_ROBOT)
     if any(assessment.best.places.get(each.operation) == each.place for each in own):
         yield wording.say("{sign}: recommended.", sign=RECOMMENDED)
