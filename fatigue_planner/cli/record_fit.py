@@ -41,7 +41,7 @@ def fit(
 
     from fatigue_planner.core.files import publish_text, writable_folder
     from fatigue_planner.experiment.loader import load_experiment
-    from fatigue_planner.recordings.learning.preference_fit import fit_preference, rms, searches
+    from fatigue_planner.recordings.learning.preference_fit import fit_preference, searches
 
     settings = load_experiment(experiment)
     if write is not None:
@@ -55,19 +55,9 @@ def fit(
     document: dict[str, Any] = {
         "preference": found.preference.plain(),
         "left_out": left_out,
-        "before_deg": rms(found.before_deg),
-        "after_deg": rms(found.after_deg),
-        "others_deg": None if found.others_deg is None else rms(found.others_deg),
+        **_errors(found),
         "helps": found.helps,
-        "recordings": [
-            {
-                "name": str(name),
-                "before_deg": rms(found.before_deg[number]),
-                "after_deg": rms(found.after_deg[number]),
-                "others_deg": None if found.others_deg is None else rms(found.others_deg[number]),
-            }
-            for number, name in enumerate(found.names)
-        ],
+        "recordings": [{"name": str(name), **_errors(found, number)} for number, name in enumerate(found.names)],
         "joints": _joints(found),
         "file": write,
     }
@@ -78,12 +68,10 @@ def _examples(
     settings: "Experiment", preference: str, cache: Path, command: str
 ) -> "tuple[list[Example], dict[str, str]]":
     """The recorded reactions of a preference, and why others may not be used."""
-    import numpy as np
-
     from fatigue_planner.experiment.build import reaction_requests
     from fatigue_planner.reactions.cache import ReactionCache
     from fatigue_planner.reactions.reaction import FailedReaction
-    from fatigue_planner.recordings.learning.preference_fit import Example
+    from fatigue_planner.recordings.learning.preference_fit import Example, angles_deg
 
     if preference not in settings.preferences:
         raise SelectionError(
@@ -101,32 +89,27 @@ def _examples(
         if isinstance(reaction, FailedReaction):
             left_out[str(request.name)] = reaction.reason
         else:
-            angles_deg = np.degrees(reaction.motion.configuration[:, 7:])
-            examples.append(Example(request.name, request.motion, angles_deg))
+            examples.append(Example(request.name, request.motion, angles_deg(reaction.motion)))
     if not examples:
         why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items()) or "`recorded` names none"
         raise SelectionError(f"--preference {preference!r}: no recorded reaction can be used: {why}.")
     return examples, left_out
 
 
+def _errors(found: "PreferenceFit", part: Any = ...) -> dict[str, float | None]:
+    """How far a part of all angles is off: as it was, fitted, and fitted to other people."""
+    from fatigue_planner.recordings.learning.preference_fit import rms
+
+    every = {"before_deg": found.before_deg, "after_deg": found.after_deg, "others_deg": found.others_deg}
+    return {name: None if values is None else rms(values[part]) for name, values in every.items()}
+
+
 def _joints(found: "PreferenceFit") -> list[dict[str, Any]]:
     """The joints by how far they are off, the farthest first."""
-    import numpy as np
-
     from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 
-    every = (found.before_deg, found.after_deg, found.others_deg)
-    before, after, others = (None if each is None else np.sqrt(np.mean(each**2, axis=0)) for each in every)
-    assert before is not None and after is not None
-    return [
-        {
-            "joint": DEGREES_OF_FREEDOM[number],
-            "before_deg": float(before[number]),
-            "after_deg": float(after[number]),
-            "others_deg": None if others is None else float(others[number]),
-        }
-        for number in np.argsort(-before, kind="stable")
-    ]
+    rows = [{"joint": name, **_errors(found, (..., number))} for number, name in enumerate(DEGREES_OF_FREEDOM)]
+    return sorted(rows, key=lambda row: -row["before_deg"])
 
 
 def _lines(settings: "Experiment", name: str, document: dict[str, Any], write: Path | None) -> list[str]:

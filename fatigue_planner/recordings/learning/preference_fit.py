@@ -18,7 +18,9 @@ from scipy.optimize import minimize
 
 from fatigue_planner.core.errors import FailedMotionError, LostWorkError
 from fatigue_planner.core.executors.executor import Executor, Lost
+from fatigue_planner.human.multibody import BASE_DOF
 from fatigue_planner.motion.body import MotionRequest
+from fatigue_planner.motion.motion import Motion
 from fatigue_planner.motion.simulator import Simulator, simulate
 from fatigue_planner.motion.tasks.registry import Preference
 from fatigue_planner.reactions.reaction import ReactionName
@@ -109,8 +111,12 @@ def off_deg(preference: Preference, example: Example) -> Array:
         motion = simulate(replace(example.request, preference=preference))
     except FailedMotionError:
         return np.full(example.angles_deg.shape[1], FAILED_DEG)
-    off = np.degrees(motion.configuration[:, 7:]) - example.angles_deg
-    return np.asarray(np.sqrt(np.mean(off**2, axis=0)))
+    return np.asarray(np.sqrt(np.mean((angles_deg(motion) - example.angles_deg) ** 2, axis=0)))
+
+
+def angles_deg(motion: Motion) -> Array:
+    """The joint angles (T, 39) of a motion in degrees."""
+    return np.degrees(motion.configuration[:, BASE_DOF + 1 :])
 
 
 def scaled(preference: Preference, stiffness_per_s2: Sequence[float], factors: Array) -> Preference:
