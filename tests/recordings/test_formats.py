@@ -17,6 +17,8 @@ from fatigue_planner.recordings.formats.mot import read_mot
 from fatigue_planner.recordings.formats.mvnx import read_mvnx
 from fatigue_planner.recordings.formats.registry import read_content
 from fatigue_planner.recordings.formats.trc import read_trc
+from fatigue_planner.recordings.inference.finding import Given
+from fatigue_planner.recordings.inference.interpret import interpret
 
 POSITION = figure(12)
 POSITION[3:5, 2] = np.nan
@@ -138,6 +140,21 @@ def test_mvnx_leaves_out_calibration_and_the_name(version: int) -> None:
     assert found.remarks[0].fault == 8 and "Jane" not in repr(found)
 
 
+@pytest.mark.parametrize("version", [3, 4])
+def test_mvnx_moves_bony_points_with_their_segments(version: int) -> None:
+    place, quarter = np.array([0.1, 0.2, 0.3]), np.sqrt([0.5, 0.0, 0.0, 0.5])  # a quarter turn about z
+    turns = np.tile([1.0, 0, 0, 0], (2, 2, 1))
+    turns[1, 1] = quarter
+    found = read_mvnx(
+        mvnx(POSITION[:2, :2], ("T8", "Head"), version=version, turns=turns, points={"pNose": ("Head", place)})
+    )
+    assert found.points is not None and found.points.labels == ("pNose",)  # joints are the origins of segments
+    np.testing.assert_allclose(found.points.position[0, 0], POSITION[0, 1] + place)
+    np.testing.assert_allclose(found.points.position[1, 0], POSITION[1, 1] + [-0.2, 0.1, 0.3])
+    whole = interpret(found, Given()).recording
+    assert whole.labels == ("T8", "Head", "pNose")
+
+
 def test_mot_of_angles_and_of_forces() -> None:
     columns = {"knee_angle_r": np.array([90.0, 45]), "pelvis_ty": np.array([0.9, 1.0])}
     degrees = read_mot(mot(columns)).angles
@@ -159,6 +176,7 @@ def changed(content: bytes, *pairs: tuple[str, str]) -> bytes:
 
 
 TRC, MOT = trc(POSITION), mot({"knee_angle_r": np.array([90.0, 45])})
+MVNX = mvnx(POSITION[:2, :4], "abcd")
 WRONG: dict[str, tuple[Callable[[bytes], Content], bytes, str]] = {
     "TRC, not text": (read_trc, TRC + b"\0", "is not a text file"),
     "TRC, other beginning": (read_trc, TRC[4:], "line 1: should begin with PathFileType"),
@@ -184,9 +202,10 @@ WRONG: dict[str, tuple[Callable[[bytes], Content], bytes, str]] = {
     "BVH, rows": (read_bvh, changed(bvh(), ("Frames: 6", "Frames: 7")), "has 6 rows after Frame Time; Frames says 7"),
     "BVH, channel": (read_bvh, changed(bvh(), ("Xposition", "Xplace")), "'Xplace' is not a channel"),
     "BVH, still": (read_bvh, changed(bvh(), ("Time: 0.01", "Time: 0")), "should be a positive number of seconds"),
-    "MVNX, cut": (read_mvnx, mvnx(POSITION[:3, :4], "abcd")[:-40], "is not well-formed XML"),
-    "MVNX, entities": (read_mvnx, b"<!DOCTYPE x>" + mvnx(POSITION[:3, :4], "abcd"), "declares a document type"),
-    "MVNX, few": (read_mvnx, changed(mvnx(POSITION[:2, :4], "abcd"), ("1 0 0 0 1 0", "1 0")), "not 4 for each of 4"),
+    "MVNX, cut": (read_mvnx, MVNX[:-40], "is not well-formed XML"),
+    "MVNX, entities": (read_mvnx, b"<!DOCTYPE x>" + MVNX, "declares a document type"),
+    "MVNX, point": (read_mvnx, changed(MVNX, ("0 0 0<", "0 0 x<"), ("ja", "pa")), "point 'pa': its place should be"),
+    "MVNX, few": (read_mvnx, changed(MVNX, ("1.0 0.0 0.0 0.0 1.0 0.0", "1 0")), "not 4 for each of 4"),
     "C3D, other": (c3d.read_c3d, b"x" * 600, "does not begin as a C3D file does"),
 }  # fmt: skip
 

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 import yaml
 from numpy.typing import NDArray
-from recorded import real
+from recorded import mvnx, real
+from scipy.spatial.transform import Rotation
 from simulated_recording import record
 
 from fatigue_planner.core.errors import DataFileError, MissingReactionsError, OtherVersionError, RecordingError
@@ -21,8 +22,10 @@ from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import load_reactions, reaction_requests
 from fatigue_planner.experiment.loader import parse_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.human.model import Tool
-from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
+from fatigue_planner.human.kinematics import poses_of, tree_of
+from fatigue_planner.human.model import Tool, Worker
+from fatigue_planner.human.multibody import GRAVITY_MPS2
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.motion.motion import Phase
 from fatigue_planner.reactions.cache import ReactionCache
 from fatigue_planner.reactions.hdf5_layout import entry_bytes, read_entry, with_checksum
@@ -37,6 +40,7 @@ from fatigue_planner.recordings.imports.phases import Bounds, bounds_of, given_b
 from fatigue_planner.recordings.imports.subject import Subject, load_subject, static_files, worker_of
 from fatigue_planner.recordings.inference.finding import Given
 from fatigue_planner.recordings.inference.interpret import Interpreted
+from fatigue_planner.recordings.mapping import landmark_table, load_mapping
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
@@ -270,6 +274,12 @@ class Trial(NamedTuple):
         given = {"phases_s": times} | more
         return import_recording(self.truth.name, self.request.motion, found or self.found, self.static, **given)
 
+    def whole(self) -> Vector:
+        """The configurations (n, 46) of the recording: he stands still for half a second before and after."""
+        motion = self.truth.motion
+        still = round(0.5 / motion.time_step_s)
+        return np.pad(motion.configuration, ((still, still), (0, 0)), mode="edge")
+
     def under(self, *plates: GroundForce) -> Interpreted:
         """The recording with other plates."""
         return replace(self.found, recording=replace(self.found.recording, ground=plates))
@@ -347,10 +357,20 @@ def test_what_nobody_measured_is_found_in_its_phase(trial: Trial) -> None:
 
 @pytest.mark.slow
 def test_a_load_that_nobody_said_is_told(trial: Trial) -> None:
-    """Fault 11: the recording is that of a tool of 5 kg, the experiment has none."""
+    """Fault 11: the recording is that of a tool of 5 kg, the experiment has none; or one of 15 kg (fault 13)."""
     empty = replace(trial.request.motion, tool=Tool(mass_kg=0.0))
-    made = trial._replace(request=replace(trial.request, motion=empty)).imported()
-    assert "work: the plates show +5.0 kg beside body, tool and loads." in told(made, 11)
+    without = trial._replace(request=replace(trial.request, motion=empty))
+    assert "work: the plates show +5.0 kg beside body, tool and loads." in told(without.imported(), 11)
+    person, more_n = trial.request.motion.worker.anthropometry(), np.array([0.0, 0.0, 5 * GRAVITY_MPS2])
+    hand = poses_of(tree_of(person), trial.whole()).points("right_hand", person.grip_m())
+    heavier = [
+        GroundForce(one.force_n + more_n, one.moment_nm + np.cross(hand, more_n))
+        for one in trial.found.recording.ground
+    ]
+    said = told(without.imported(without.under(*heavier)), 13)
+    assert re.search(
+        r"work: the plates show \+15\.\d kg beside body, tool and loads, near right (hand|forearm), ", said
+    )
 
 
 @pytest.mark.slow
@@ -369,6 +389,59 @@ def test_plates_that_are_late_and_ends_are_told(trial: Trial) -> None:
     assert worst[1] < worst[0]
     ends = trial.imported(phases_s=[0.1, 5.5, 11.5, 16.9])
     assert "a phase comes within 0.2 s of an end of the recording" in told(ends, 15)
+
+
+# Segments of an Xsens suit, and the bodies they are; T8 is on the thorax.
+SUIT = {"Pelvis": "pelvis", "L5": "abdomen", "T8": "thorax", "Neck": "neck", "Head": "head"} | {
+    side.title() + segment: f"{side}_{body}"
+    for side in SIDES
+    for segment, body in {
+        "UpperArm": "upper_arm", "ForeArm": "forearm", "Hand": "hand", "UpperLeg": "thigh", "LowerLeg": "shank",
+        "Foot": "foot",
+    }.items()
+}  # fmt: skip
+
+
+def suit(worker: Worker, configuration: Vector, rate_hz: float, points: bool = True) -> bytes:
+    """The MVNX file of an Xsens suit, whose segments are not turned where the arms are held out sideways."""
+    poses = poses_of(tree_of(worker.anthropometry()), configuration)
+    scale = worker.height_m / landmark_table().stature_m
+    places = load_mapping("xsens").places
+    origins, turns, on = [], [], {}
+    for segment, body in SUIT.items():
+        sideways = Rotation.identity()
+        if body.endswith(("arm", "hand")):
+            sideways = Rotation.from_euler("x", 90 if body.startswith("right") else -90, degrees=True)
+        at = scale * places["t8"].at_m if segment == "T8" else np.zeros(3)  # all others begin where their joint is
+        origins.append(poses.points(body, at))
+        turned = Rotation.from_matrix(poses.rotation[:, BODIES.index(body)]) * sideways
+        turns.append(turned.as_quat(scalar_first=True))
+        on |= {
+            label: (segment, sideways.inv().apply(scale * place.at_m - at))
+            for label, place in places.items()
+            if place.body == body and label.startswith("p") and label != "pelvis"
+        }
+    return mvnx(
+        np.stack(origins, axis=1), list(SUIT), rate_hz, turns=np.stack(turns, axis=1), points=on if points else None
+    )
+
+
+@pytest.mark.slow
+def test_the_bony_points_of_a_suit_show_how_hands_and_head_turn(trial: Trial, tmp_path: Path) -> None:
+    whole = trial.whole()
+
+    def worn(points: bool) -> Imported:
+        files = tmp_path / "motion.mvnx", tmp_path / "still.mvnx"
+        for file, shown in zip(files, (whole, whole[:50]), strict=True):
+            file.write_bytes(suit(trial.request.motion.worker, shown, 1 / trial.truth.motion.time_step_s, points))
+        return trial._replace(static=read_recording(files[1])[1]).imported(read_recording(files[0])[1])
+
+    made, without = worn(points=True), worn(points=False)
+    off = np.degrees(made.track.configuration - whole)[:, 7:]
+    rms = dict(zip(DEGREES_OF_FREEDOM, np.sqrt((off**2).mean(axis=0)), strict=True))
+    assert max(rms.values()) < 1, rms
+    assert made.quality.assumed_joints == ()
+    assert {"right_wrist", "left_wrist"} <= set(without.quality.assumed_joints)
 
 
 def of_a_real(name: str, times_s: list[float]) -> Imported:

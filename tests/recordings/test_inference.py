@@ -235,7 +235,7 @@ def test_mappings_know_what_they_are_for() -> None:
     assert choose_mapping(["a", "b"]) is None
     for name in shipped():
         for label, place in load_mapping(name).places.items():
-            said = "left" if label.startswith("l") else "right"
+            said = "left" if label.startswith(("l", "pl")) else "right"
             assert place.side in ("", said) and (place.side == "left") <= (place.at_m[1] >= 0 or "medial" in place.landmark or place.landmark == "metatarsal_1"), label  # fmt: skip  # noqa: E501
 
 

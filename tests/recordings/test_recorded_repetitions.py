@@ -63,9 +63,9 @@ def test_phases_are_stretched_to_those_of_the_cycle(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "head", "message"),
     [
-        (["a.csv,p,low"], "file,person,action", "line 1: the columns are file, person, action; needed: file, person"),
+        (["a.csv,p,low"], "file,person,action", "line 1: the columns are file, person, action; required: file, person"),
         ([], HEAD, "has no rows"),
-        (["a.csv,p,low,arm,x"], HEAD, "line 2: should have 4 cells"),
+        (["a.csv,p,low,arm,x"], HEAD, "line 2: has 5 cells; the table has 4 columns"),
         (["a.csv,p,lo,arm"], HEAD, "line 2: action = 'lo': should be one of low, high"),
         (["a.csv,p,low,leg"], HEAD, "line 2: preference = 'leg': should be one of arm, back"),
         (["a.csv,,low,arm"], HEAD, "line 2: person is empty"),

@@ -148,16 +148,47 @@ def bvh(frames: int = 6, order: str = "Zrotation Xrotation Yrotation", values: S
     return (BVH % (body, frames, "\n".join([" ".join(map(str, row))] * frames))).encode()
 
 
-def mvnx(position: Vector, names: Sequence[str], rate: float = 60.0, version: int = 4) -> bytes:
-    """An MVNX file whose segments are not turned, after one frame of calibration."""
-    segments = "".join(f'<segment label="{name}" id="{index + 1}"/>' for index, name in enumerate(names))
-    turns = " ".join(["1 0 0 0"] * len(names))
-    frames = [f'<frame time="0" index="" type="npose"><orientation>{turns}</orientation><position>{" ".join(["0"] * 3 * len(names))}</position></frame>']  # fmt: skip  # noqa: E501
-    for index, row in enumerate(position.reshape(len(position), -1)):
-        places = " ".join(repr(float(value)) for value in row)
-        frames.append(f'<frame time="{1000 * index / rate:.3f}" index="{index}" type="normal"><orientation>{turns}</orientation><position>{places}</position></frame>')  # fmt: skip  # noqa: E501
+def mvnx(
+    position: Vector,
+    names: Sequence[str],
+    rate: float = 60.0,
+    version: int = 4,
+    turns: Vector | None = None,
+    points: Mapping[str, tuple[str, Vector]] | None = None,
+) -> bytes:
+    """An MVNX file after one frame of calibration; turns (n, s, 4), w first: none, if not given.
+
+    points: of each label the segment and the place there (3,) m.
+    """
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (len(position), len(names), 1))
+    key = "pos_b" if version >= 4 else "pos_s"
+    segments = ""
+    for index, name in enumerate(names):
+        own = "".join(
+            f'<point label="{label}"><{key}>{words(place)}</{key}></point>'
+            for label, (segment, place) in (points or {}).items()
+            if segment == name
+        )
+        joint = f'<point label="j{name}"><{key}>0 0 0</{key}></point>'
+        segments += f'<segment label="{name}" id="{index + 1}"><points>{joint}{own}</points></segment>'
+    frames = [frame_of("npose", "", "0", upright[0], np.zeros_like(position[0]))]
+    frames += [
+        frame_of("normal", str(index), f"{1000 * index / rate:.3f}", turn, row)
+        for index, (turn, row) in enumerate(zip(upright if turns is None else turns, position, strict=True))
+    ]
     return (
         f'<?xml version="1.0"?><mvnx xmlns="http://www.xsens.com/mvn/mvnx" version="{version}">'
         f'<subject label="Jane Doe" frameRate="{rate:g}"><segments>{segments}</segments>'
         f"<frames>{''.join(frames)}</frames></subject></mvnx>"
     ).encode()
+
+
+def words(values: Vector) -> str:
+    return " ".join(repr(float(value)) for value in np.ravel(values))
+
+
+def frame_of(kind: str, index: str, time_ms: str, turn: Vector, position: Vector) -> str:
+    return (
+        f'<frame time="{time_ms}" index="{index}" type="{kind}"><orientation>{words(turn)}</orientation>'
+        f"<position>{words(position)}</position></frame>"
+    )

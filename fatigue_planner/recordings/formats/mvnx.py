@@ -1,18 +1,19 @@
-"""MVNX: the poses of an Xsens suit's segments, as XML of versions 3 and 4."""
+"""MVNX: the poses of an Xsens suit's segments and the bony points on them, as XML of versions 3 and 4."""
 
 import io
 import math
+from collections.abc import Iterator
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, shortened
-from fatigue_planner.recordings.content import Content, Remark, Segments
+from fatigue_planner.recordings.content import Content, Points, Remark, Segments
 from fatigue_planner.recordings.formats.text import number
 
 Vector = NDArray[np.float64]
-MAX_SEGMENTS = 200
+MAX_SEGMENTS, MAX_POINTS = 200, 500  # MVN has 23 and, of bony points, some 70
 # Poses that are no part of the motion: N-pose, T-pose and identity, as the suit was calibrated.
 _CALIBRATION = {"npose", "tpose", "identity", "tpose-isb"}
 
@@ -26,9 +27,10 @@ def _check_plain(content: bytes) -> None:
 
 
 def read_mvnx(content: bytes) -> Content:
-    """The segments of an MVNX file; its axes are Xsens': x forward, z up, metres. Raises RecordingError."""
+    """The segments of an MVNX file and their bony points, if it has any; x forward, z up, m. Raises RecordingError."""
     _check_plain(content)
     names: list[str] = []
+    fixed: list[tuple[str, int, list[float]]] = []  # points: label, segment, place in the segment's frame
     times: list[float] = []
     rows: list[tuple[list[float], list[float]]] = []
     rate, dropped = math.nan, 0
@@ -36,6 +38,7 @@ def read_mvnx(content: bytes) -> Content:
         for _, element in ElementTree.iterparse(io.BytesIO(content)):
             match element.tag.rpartition("}")[2]:
                 case "segment" if element.get("label"):
+                    fixed += [(label, len(names), place) for label, place in _bony_points(element)]
                     names.append(str(element.get("label")))
                 case "subject":
                     rate = number(element.get("frameRate", ""), 0)
@@ -52,6 +55,8 @@ def read_mvnx(content: bytes) -> Content:
         raise RecordingError(f"has {len(names)} segments and {len(rows)} frames of a motion.")
     if len(names) > MAX_SEGMENTS or len(set(names)) < len(names):
         raise RecordingError(f"names {len(names)} segments, some of them twice, or more than {MAX_SEGMENTS}.")
+    if len(fixed) > MAX_POINTS:
+        raise RecordingError(f"names {len(fixed)} points; more than {MAX_POINTS} are too many.")
     turns, places = (_array(rows, which, per, len(names)) for which, per in ((0, 4), (1, 3)))
     found = np.array(times)
     if np.isnan(found).any():
@@ -60,7 +65,35 @@ def read_mvnx(content: bytes) -> Content:
         found = np.arange(len(rows)) / rate
     remarks = (Remark(8, f"{dropped} frames of calibration poses are left out."),) if dropped else ()
     segments = Segments(tuple(names), places, _rotation(turns))
-    return Content("MVNX", found, rate if rate > 0 else None, "m", "+z", segments=segments, remarks=remarks)
+    points = _moved(segments, fixed) if fixed else None
+    return Content("MVNX", found, rate if rate > 0 else None, "m", "+z", points, segments, remarks=remarks)
+
+
+def _bony_points(segment: ElementTree.Element) -> Iterator[tuple[str, list[float]]]:
+    """The label and the place of each point of a segment but joints (j...), which are the origins of other segments."""
+    for point in segment.iter():
+        label = point.get("label", "")
+        if point.tag.rpartition("}")[2] != "point" or label.startswith("j"):
+            continue
+        said = next((child.text for child in point if child.tag.rpartition("}")[2] in ("pos_b", "pos_s")), None)
+        words = (said or "").split()
+        try:
+            place = [number(word, 0) for word in words]
+        except RecordingError:
+            place = []
+        if len(place) != 3 or not all(map(math.isfinite, place)):
+            raise RecordingError(f"point {shortened(label)}: its place should be three numbers.")
+        yield label, place
+
+
+def _moved(segments: Segments, fixed: list[tuple[str, int, list[float]]]) -> Points:
+    """Where points that are fixed to segments are in the world."""
+    own = [segment for _, segment, _ in fixed]
+    place = np.array([place for *_, place in fixed])
+    return Points(
+        tuple(label for label, *_ in fixed),
+        segments.position[:, own] + np.einsum("nkij,kj->nki", segments.rotation[:, own], place),
+    )
 
 
 def _number(element: ElementTree.Element, key: str) -> float:

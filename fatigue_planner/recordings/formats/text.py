@@ -4,12 +4,13 @@ import csv
 import math
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fatigue_planner.core.errors import RecordingError, shortened
+from fatigue_planner.core.errors import RecordingError, listed, shortened
 
 # Larger numbers are in no recording, whatever its unit; they would overflow later.
 MAX_NUMBER = 1e9
@@ -37,6 +38,32 @@ def cells_of(lines: Sequence[str], mark: str = ",") -> list[list[str]]:
         raise RecordingError(f"is not a table ({error}).") from error
     if len(rows) != len(lines):
         raise RecordingError("has cells of several lines.")
+    return rows
+
+
+def named_rows(path: Path, needed: Sequence[str], allowed: Sequence[str]) -> list[tuple[int, dict[str, str]]]:
+    """The rows of a CSV table with these columns, and the line of each in the file. Raises RecordingError."""
+    try:
+        table = cells_of(lines_of(path.read_bytes()))
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read ({error.strerror}).") from error
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    names = table[0] if table else []
+    if set(needed) - set(names) or set(names) - {*needed, *allowed} or len(set(names)) < len(names):
+        raise RecordingError(
+            f"{path}, line 1: the columns are {listed(names) or 'none'}; required: {listed(needed)}; optional: "
+            f"{listed(allowed)}."
+        )
+    rows = []
+    for line, cells in enumerate(table[1:], 2):
+        if not any(cells):
+            continue
+        if len(cells) != len(names):
+            raise RecordingError(f"{path}, line {line}: has {len(cells)} cells; the table has {len(names)} columns.")
+        rows.append((line, dict(zip(names, cells, strict=True))))
+    if not rows:
+        raise RecordingError(f"{path}: has no rows.")
     return rows
 
 

@@ -112,10 +112,14 @@ def remarks_of(
             near = listing(
                 sorted({one.body.replace("_", " ") for one in found if one.start <= end and one.stop > begin})
             )
-            told = (
-                f"{phase.name}: something unmeasured near {near} carries {force:.0f} N on average, {share} of the time"
-            )
-            remarks.append(Remark(13, f"{told}; the phase counts as unmeasured."))
+            if force < 0:
+                told = (
+                    f"the plates show {-force / GRAVITY_MPS2:+.1f} kg beside body, tool and loads, near {near}, "
+                    f"{share} of the time; what hands hold has to be said as a tool or a load"
+                )
+            else:
+                told = f"something unmeasured near {near} carries {force:.0f} N on average, {share} of the time"
+            remarks.append(Remark(13, f"{phase.name}: {told}; the phase counts as unmeasured."))
         elif abs(extra := -float(torques.residual_force_n[own, 2].mean()) / GRAVITY_MPS2) > LOAD_KG:
             remarks.append(Remark(11, f"{phase.name}: the plates show {extra:+.1f} kg beside body, tool and loads."))
     return remarks

@@ -93,9 +93,13 @@ def interpret(content: Content, given: Given) -> Interpreted:
 
 
 def _all_points(content: Content) -> Points | None:
-    if content.segments is not None:
-        return Points(content.segments.names, content.segments.position)
-    return content.points
+    """The origins of segments, and the points on them."""
+    if content.segments is None:
+        return content.points
+    origins = Points(content.segments.names, content.segments.position)
+    if (on := content.points) is None:
+        return origins
+    return Points(origins.labels + on.labels, np.concatenate([origins.position, on.position], axis=1))
 
 
 def _without_calibration(content: Content) -> tuple[Content, list[Remark]]:

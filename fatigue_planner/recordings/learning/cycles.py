@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
-from fatigue_planner.recordings.formats.text import cells_of, lines_of
+from fatigue_planner.recordings.formats.text import named_rows
 from fatigue_planner.recordings.learning.likelihood import UNSEEN, Numbers
 
 Vector = NDArray[np.float64]
@@ -38,7 +38,7 @@ def read_cycles(path: Path, actions: Sequence[str], observations: Sequence[str])
 
     Raises RecordingError: file, line, value, what is allowed.
     """
-    rows = _rows(path, ("action", "reaction"), ("time_s",))
+    rows = named_rows(path, ("action", "reaction"), ("time_s",))
     if len(rows) > MAX_CYCLES:
         raise RecordingError(f"{path}: has {len(rows)} cycles; at most {MAX_CYCLES}.")
     done = [_index(path, line, "action", row["action"], actions) for line, row in rows]
@@ -63,7 +63,7 @@ def read_labelled(
 
     Raises RecordingError: file, line, value, what is allowed; a preference that was never repeated.
     """
-    rows = _rows(path, ("preference", "recognised", "count"), ("action",))
+    rows = named_rows(path, ("preference", "recognised", "count"), ("action",))
     by_action = "action" in rows[0][1]
     groups = np.arange(len(actions)) if by_action else np.zeros(len(actions), np.int64)
     counts = np.zeros((len(actions) if by_action else 1, len(preferences), len(observations)))
@@ -83,32 +83,6 @@ def read_labelled(
     if missing:
         raise RecordingError(f"{path}: no labelled repetition of {listed(missing)}.")
     return counts, groups.astype(np.int64)
-
-
-def _rows(path: Path, needed: Sequence[str], allowed: Sequence[str]) -> list[tuple[int, dict[str, str]]]:
-    """The rows of a table by their line in the file."""
-    try:
-        table = cells_of(lines_of(path.read_bytes()))
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror}).") from error
-    except RecordingError as error:
-        raise RecordingError(f"{path}: {error}") from error
-    names = table[0] if table else []
-    if set(needed) - set(names) or set(names) - {*needed, *allowed} or len(set(names)) < len(names):
-        raise RecordingError(
-            f"{path}, line 1: the columns are {listed(names) or 'none'}; required: {listed(needed)}; optional: "
-            f"{listed(allowed)}."
-        )
-    rows = []
-    for line, cells in enumerate(table[1:], 2):
-        if not any(cells):
-            continue
-        if len(cells) != len(names):
-            raise RecordingError(f"{path}, line {line}: has {len(cells)} cells; the table has {len(names)} columns.")
-        rows.append((line, dict(zip(names, cells, strict=True))))
-    if not rows:
-        raise RecordingError(f"{path}: has no rows.")
-    return rows
 
 
 def _index(path: Path, line: int, column: str, value: str, known: Sequence[str]) -> int:

@@ -3,7 +3,6 @@
 Angles are taken where a file has those of the digital human's degrees of freedom, and found from markers otherwise.
 """
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from fatigue_planner.human.model import Worker
 from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.recordings.check import read_recording
-from fatigue_planner.recordings.formats.text import lines_of
+from fatigue_planner.recordings.formats.text import named_rows
 from fatigue_planner.recordings.inference.finding import Given
 from fatigue_planner.recordings.kinematics.calibration import calibrate
 from fatigue_planner.recordings.kinematics.markers import markers_of
@@ -66,7 +65,7 @@ def read_labels(path: Path, actions: Sequence[str], preferences: Sequence[str], 
     Raises RecordingError: file, line, value, what is allowed.
     """
     labels = []
-    for line, row in _rows(path):
+    for line, row in named_rows(path, NEEDED, OPTIONAL):
         for column, known in (("action", actions), ("preference", preferences)):
             if row[column] not in known:
                 raise RecordingError(
@@ -145,7 +144,7 @@ def _measured(label: Label, workers: Mapping[str, Worker]) -> tuple[Recording, A
             f"person = {shortened(label.person)}: angles are found from markers of a body that is known; the "
             f"experiment's workers are {listed(workers)}."
         )
-    if recording.points_m is None or recording.segments is not None:
+    if recording.points_m is None:
         raise RecordingError(f"{label.file}: holds neither markers nor angles.")
     return recording, _from_markers(label, recording, found.mapping, workers[label.person])
 
@@ -204,23 +203,3 @@ def _number(path: Path, line: int, column: str, text: str) -> float | None:
     if not math.isfinite(value):
         raise RecordingError(f"{path}, line {line}: {column} = {shortened(text)}: should be a time in s.")
     return value
-
-
-def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """The rows of a table by their line in the file."""
-    try:
-        lines = lines_of(path.read_bytes())
-        table = [[cell.strip() for cell in row] for row in csv.reader(lines, strict=True)]
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be read ({error.strerror}).") from error
-    except (RecordingError, csv.Error) as error:
-        raise RecordingError(f"{path}: is not a table ({error}).") from error
-    names = table[0] if table else []
-    if set(NEEDED) - set(names) or set(names) - {*NEEDED, *OPTIONAL} or len(set(names)) < len(names):
-        raise RecordingError(
-            f"{path}, line 1: the columns are {listed(names) or 'none'}; needed: {listed(NEEDED)}; allowed: "
-            f"{listed(OPTIONAL)}."
-        )
-    if ragged := next((line for line, cells in enumerate(table, 1) if cells and len(cells) != len(names)), None):
-        raise RecordingError(f"{path}, line {ragged}: should have {len(names)} cells.")
-    return [(line, dict(zip(names, cells, strict=True))) for line, cells in enumerate(table, 1) if line > 1 and cells]
