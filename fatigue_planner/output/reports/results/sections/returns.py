@@ -100,8 +100,8 @@ def _counts(report_data: ReportData, file: str) -> str:
     return (
         f"Of {counted(len(rows), 'comparison')} in {counted(len(families), 'family', 'families')} "
         f"({listing(families)}), {len(tested)} can be tested. Paired and corrected for the family (Holm), "
-        f"{different} differ, {counts[Verdict.EQUIVALENT]} are equivalent and "
-        f"{counts[Verdict.UNDETERMINED]} are undetermined; the paper's test, which neither pairs nor corrects, "
+        f"{different} show a difference, {counts[Verdict.EQUIVALENT]} equivalence and "
+        f"{counts[Verdict.UNDETERMINED]} neither; the paper's test, which neither pairs nor corrects, "
         f"finds a difference in {papers} of {len(both)}. All numbers of every comparison (intervals by t and "
         f"bootstrap, permutation test, effect sizes, smallest detectable difference) are in `{file}`."
     )
