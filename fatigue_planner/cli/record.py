@@ -34,6 +34,15 @@ MappingName = Annotated[
     str | None, typer.Option("--mapping", help="Mapping of labels that ships, or a YAML file. Default: the best one.")
 ]
 Mass = Annotated[float | None, typer.Option("--mass", min=20, max=300, help="Mass of the body in kg.")]
+Heading = Annotated[
+    float | None,
+    typer.Option(
+        "--heading", min=-360, max=360, help="Degrees from x towards y, z up, in which the person first faces."
+    ),
+]
+ExchangeSides = Annotated[
+    bool, typer.Option("--exchange-sides", help="The labels say left where right is, and the other way round.")
+]
 AnglesIn = Annotated[
     Literal["deg", "rad"] | None, typer.Option("--angles", help="Unit of angles, where a file leaves it open.")
 ]
@@ -62,6 +71,8 @@ def check(
     prefix: Prefix = None,
     mapping: MappingName = None,
     mass: Mass = None,
+    heading: Heading = None,
+    exchange_sides: ExchangeSides = False,
     angles: AnglesIn = None,
     reader: Reader = None,
     as_json: options.Json = False,
@@ -74,7 +85,7 @@ def check(
 
     if mapping is not None:
         load_mapping(mapping)
-    given = Given(units, up, rate, prefix, mapping, mass)
+    given = Given(units, up, rate, prefix, mapping, mass, heading, exchange_sides)
     checked = check_files(files, given, Choices(reader, None if angles is None else angles == "deg"))
     document = {"files": [_row(one) for one in checked], "refused": sum(one.found is None for one in checked)}
     options.present(document, "\n".join(map(told, checked)), as_json)

@@ -50,6 +50,8 @@ def import_(
     rate: record.Rate = None,
     prefix: record.Prefix = None,
     mapping: record.MappingName = None,
+    heading: record.Heading = None,
+    exchange_sides: record.ExchangeSides = False,
     angles: record.AnglesIn = None,
     reader: record.Reader = None,
     cache: options.CacheFolder = options.DEFAULT_CACHE,
@@ -79,7 +81,8 @@ def import_(
         load_mapping(mapping)
     settings, person = load_experiment(experiment), load_subject(subject)
     request = _request(settings, worker_of(settings, person, subject), action, preference)
-    given = Given(units, up, rate, prefix, mapping)  # what the plates show beside the body is told of each phase
+    # what the plates show beside the body is told of each phase, so its mass is not asked for
+    given = Given(units, up, rate, prefix, mapping, None, heading, exchange_sides)
     choices = Choices(reader, None if angles is None else angles == "deg")
     form, found = read_recording(*files, given=given, choices=choices)
     static = static_files(subject, person)

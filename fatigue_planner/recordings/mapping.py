@@ -18,6 +18,7 @@ from fatigue_planner.human.skeleton import BODIES, SIDES
 Vector = NDArray[np.float64]
 DATA = Path(__file__).parent / "data"
 MIRROR = np.array([1.0, -1.0, 1.0])
+_NUMBER = re.compile(r"\d+")
 
 
 class Landmark(Settings):
@@ -63,20 +64,44 @@ class Mapping(Settings):
     @cached_property
     def places(self) -> dict[str, Place]:
         """Places by label, as `plain_label` writes it."""
-        found: dict[str, Place] = {}
+        return {label: _place(landmark, side) for label, landmark, side, _ in reversed(self._labels())}
+
+    @cached_property
+    def _others(self) -> dict[str, str]:
+        """The label of the same place on the other side, by label, both as `plain_label` writes them."""
+        return {label: other for label, _, _, other in reversed(self._labels())}
+
+    def _labels(self) -> list[tuple[str, str, str, str]]:
+        """Each label that it knows, its landmark and side, and the label on the other side; the first of two counts."""
+        found = []
         for landmark, templates in self.landmarks.items():
             for template in templates:
-                for side in SIDES if "{s}" in template else ("",):
-                    for said in self.sides.get(side, ("",)):
-                        label = template.replace("{s}", said)
+                for side, other in (SIDES, SIDES[::-1]) if "{s}" in template else (("", ""),):
+                    own, others = (self.sides.get(which, ("",)) for which in (side, other))
+                    for index, said in enumerate(own):
+                        across = others[min(index, len(others) - 1)] if others else said
                         for ending in ("", *self.endings):
-                            found.setdefault(plain_label(label + ending), _place(landmark, side))
+                            label, twin = (
+                                plain_label(template.replace("{s}", name) + ending) for name in (said, across)
+                            )
+                            found.append((label, landmark, side, twin))
         return found
 
     def place(self, label: str) -> Place | None:
         """What a label stands for; None if it is unknown."""
         plain = plain_label(label)
-        return self.places.get(plain) or self.places.get(re.sub(r"\d+", "#", plain))
+        return self.places.get(plain) or self.places.get(_NUMBER.sub("#", plain))
+
+    def across(self, label: str) -> str:
+        """The label of the same place on the other side, as `plain_label` writes it; of a middle or unknown one: it."""
+        plain = plain_label(label)
+        if plain in self._others:
+            return self._others[plain]
+        other = self._others.get(_NUMBER.sub("#", plain))
+        if other is None:
+            return plain
+        numbers = iter(_NUMBER.findall(plain))
+        return re.sub("#", lambda _: next(numbers), other)
 
     def nearest(self, label: str) -> str:
         """A known label that looks like an unknown one; empty if there is none."""

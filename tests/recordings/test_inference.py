@@ -60,6 +60,12 @@ def test_encodings_of_one_motion_are_one_recording(tmp_path: Path) -> None:
     np.testing.assert_allclose(points(read_recording(c3d)[1]), want, atol=1e-6)
 
 
+def test_where_he_faces_can_be_given() -> None:
+    found = of_trc(figure(heading=2.0), Given(heading_deg=float(np.degrees(2.0)) - 90))
+    assert value(found, "heading") == "24.5916° from x, turned to x"
+    np.testing.assert_allclose(points(found), POSITION @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]), atol=1e-9)
+
+
 def test_units_are_inferred_given_or_demanded() -> None:  # fault 1
     found = of_trc(POSITION * 1000, unit=None)
     assert value(found, "unit") == "mm" and "1.75 m tall" in str(found.findings)
@@ -95,11 +101,16 @@ def test_points_in_one_place_are_no_body() -> None:  # as a damaged file had the
         of_trc(np.full_like(POSITION, 100.0))
 
 
-def test_exchanged_sides_and_mirrors_are_refused() -> None:  # fault 2
-    exchanged = [{"L": "R", "R": "L"}.get(label[0], label[0]) + label[1:] for label in LABELS]
-    exchanged = [
-        label if label in ("C7", "CLAV", "STRN") else other for label, other in zip(LABELS, exchanged, strict=True)
-    ]
+def test_exchanged_sides_and_mirrors_are_refused_and_labels_can_be_set_right() -> None:  # fault 2
+    known = load_mapping("plug_in_gait")
+    exchanged = [known.across(label).upper() for label in LABELS]
+    assert (LABELS[3], exchanged[3]) == ("LSHO", "RSHO") and exchanged[:3] == ["C7", "CLAV", "STRN"]
+    right = of_trc(POSITION, Given(exchange_sides=True), labels=exchanged)
+    assert right.recording.labels == LABELS and value(right, "sides").startswith("left and right of all")
+    np.testing.assert_allclose(points(right), POSITION, atol=1e-9)
+    assert load_mapping("opencap").across("L_thigh2_study") == "rthigh2study" and known.across("a#1") == "a#1"
+    with pytest.raises(RecordingError, match="no mapping knows its labels, so none says"):
+        of_trc(POSITION[:, :3], Given(up="+z", units="m", exchange_sides=True), labels=("a", "b", "c"))
     for position, labels in ((POSITION, exchanged), (POSITION * [1, -1, 1], LABELS)):
         with pytest.raises(RecordingError, match="left and right are exchanged, or the file is mirrored"):
             of_trc(position, labels=labels)

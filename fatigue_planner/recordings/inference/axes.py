@@ -88,7 +88,10 @@ def facing(position: Vector, places: Sequence[Place], rate_hz: float) -> tuple[f
         return None
     evidence = _front(position[there], places, forward[there])
     if evidence is not None and evidence < 0:
-        raise RecordingError("left and right are exchanged, or the file is mirrored: fronts are behind backs.")
+        raise RecordingError(
+            "left and right are exchanged, or the file is mirrored: fronts are behind backs. If it is the labels, "
+            "--exchange-sides sets them right."
+        )
     first = forward[there][: max(1, int(FIRST_S * rate_hz))].sum(axis=0)
     return float(np.arctan2(first[1], first[0])), evidence is not None
 

@@ -8,7 +8,8 @@ class Given:
     """What a user says of a file; None is inferred.
 
     units: of length, mm, cm or m; up: an axis like +y; rate_hz: of the frames; prefix: before the labels of the person
-    who is meant; mapping: a name or a file; mass_kg: of the body.
+    who is meant; mapping: a name or a file; mass_kg: of the body; heading_deg: where he faces at first, from x towards
+    y, once z is up; exchange_sides: labels say left where right is, and the other way round.
     """
 
     units: str | None = None
@@ -17,6 +18,8 @@ class Given:
     prefix: str | None = None
     mapping: str | None = None
     mass_kg: float | None = None
+    heading_deg: float | None = None
+    exchange_sides: bool = False
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from fatigue_planner.recordings.inference.labels import named_points
 from fatigue_planner.recordings.inference.plates import body_mass, ground_forces
 from fatigue_planner.recordings.inference.rate import frame_rate
 from fatigue_planner.recordings.inference.units import unit_of_length
-from fatigue_planner.recordings.mapping import Mapping, Place, choose_mapping, landmark_table, load_mapping
+from fatigue_planner.recordings.mapping import Mapping, Place, choose_mapping, landmark_table, load_mapping, plain_label
 from fatigue_planner.recordings.recording import GroundForce, Recording
 
 Vector = NDArray[np.float64]
@@ -54,6 +54,9 @@ def interpret(content: Content, given: Given) -> Interpreted:
             raise RecordingError("no point is ever seen.")
         mapping_name, found, told = _mapped(points, given.mapping)
         findings, remarks = findings + found, remarks + told
+        if given.exchange_sides:
+            points = _exchanged(points, mapping_name)
+            findings.append(Finding("sides", "left and right of all labels exchanged", "given"))
         places = _places(points, mapping_name)
     axis = _long_axis(points, places)
     metres = 1.0  # of OpenSim's own tables
@@ -66,7 +69,7 @@ def interpret(content: Content, given: Given) -> Interpreted:
     turn = axes.upright(up)
     if points is not None:
         points = Points(points.labels, points.position * metres @ turn.T)
-        heading, found = _heading(points, places, rate)
+        heading, found = _heading(points, places, rate, given.heading_deg)
         findings += found
         turn = _about_z(-heading) @ turn
         points = Points(points.labels, points.position @ _about_z(-heading).T)
@@ -149,6 +152,18 @@ def _places(points: Points, mapping: str | None) -> dict[int, Place]:
     return {index: place for index, label in enumerate(points.labels) if (place := known.place(label))}
 
 
+def _exchanged(points: Points, mapping: str | None) -> Points:
+    """The points by the labels of the other side. Raises RecordingError if no mapping says which those are."""
+    if mapping is None:
+        raise RecordingError(
+            "no mapping knows its labels, so none says which is on which side; say one with --mapping."
+        )
+    known = load_mapping(mapping)
+    spelt = {plain_label(label): label for label in points.labels}
+    twins = [known.across(label) for label in points.labels]
+    return Points(tuple(spelt.get(twin, twin) for twin in twins), points.position)
+
+
 def _up(content: Content, axis: tuple[Vector, float] | None, given: str | None) -> tuple[str, list[Finding]]:
     """The axis that is up. Raises RecordingError if it is unknown, or the body is upside down."""
     shown = None if axis is None else axes.axis_name(axis[0])
@@ -179,8 +194,12 @@ def _long_axis(points: Points | None, places: dict[int, Place]) -> tuple[Vector,
     return axes.long_axis(points.position[:, list(places)], axes.standing_m(list(places.values())))
 
 
-def _heading(points: Points, places: dict[int, Place], rate_hz: float) -> tuple[float, list[Finding]]:
+def _heading(
+    points: Points, places: dict[int, Place], rate_hz: float, given_deg: float | None
+) -> tuple[float, list[Finding]]:
     found = axes.facing(points.position[:, list(places)], list(places.values()), rate_hz) if places else None
+    if given_deg is not None:
+        return float(np.radians(given_deg)), [Finding("heading", f"{given_deg:g}° from x, turned to x", "given")]
     if found is None:
         return 0.0, [Finding("heading", "unknown", "no point has its twin on the other side")]
     heading, confirmed = found
