@@ -13,7 +13,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import talk, warn
-from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError, listed
+from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
@@ -43,8 +43,7 @@ def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySet
     known = loaded.benchmark.policies
     if name is None:
         return None
-    if name not in known:
-        raise SelectionError(f"--{option} {name}: not in the experiment's benchmark; available: {listed(known)}.")
+    options.check_known(option, name, known)
     return known[name]
 
 
@@ -187,10 +186,7 @@ def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: s
 
     conditions = loaded.benchmark.conditions
     chosen = next(iter(conditions)) if condition is None else condition
-    if chosen not in conditions:
-        raise SelectionError(
-            f"--condition {chosen}: not in the experiment's benchmark; available: {listed(conditions)}."
-        )
+    options.check_known("condition", chosen, conditions)
     profiles = load_cycle_profiles(loaded, cache, command)
     warn(omissions(loaded, profiles, profiles.ruled_out))
     possible = without_infeasible(loaded, profiles, profiles.ruled_out)

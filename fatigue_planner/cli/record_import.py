@@ -152,12 +152,10 @@ def _publish_pages(
 
 def _request(settings: "Experiment", worker: str, action: str, preference: str) -> "ReactionRequest":
     """The request for the reaction that a recording is. Raises SelectionError for an unknown action or preference."""
-    from fatigue_planner.core.errors import SelectionError, listed
     from fatigue_planner.experiment.build import reaction_requests
 
-    for what, name, known in (("action", action, settings.actions), ("preference", preference, settings.preferences)):
-        if name not in known:
-            raise SelectionError(f"--{what} {name!r}: not in the experiment; available: {listed(known)}.")
+    options.check_known("action", action, settings.actions, "the experiment")
+    options.check_known("preference", preference, settings.preferences, "the experiment")
     return next(one for one in reaction_requests(settings) if one.name == (worker, action, preference))
 
 

@@ -8,7 +8,7 @@ import typer
 
 from fatigue_planner.cli import live, options
 from fatigue_planner.cli.progress import talk
-from fatigue_planner.core.errors import SelectionError, listed
+from fatigue_planner.core.errors import SelectionError
 
 
 def report(
@@ -147,8 +147,7 @@ def card(
             raise SelectionError(f"{source}: names no experiment; give that instead.")
     assert named is not None
     loaded = load_experiment(find_shipped(named))
-    known = loaded.benchmark.conditions
-    if condition is not None and condition not in known:
-        raise SelectionError(f"--condition {condition}: not in the experiment's benchmark; available: {listed(known)}.")
+    if condition is not None:
+        options.check_known("condition", condition, loaded.benchmark.conditions)
     publish_text(output, card(Told(loaded, condition, policy, keep_days)))
     options.present({"file": output}, f"{output}.", as_json)

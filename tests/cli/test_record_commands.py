@@ -151,8 +151,8 @@ def test_what_cannot_be_imported_is_said_before_anything_is_read(recorded: Path)
         assert done.returncode == 2 and not done.stdout
         return done.stderr
 
-    assert "--action 'higher': not in the experiment; available: high, low." in message("--action", "higher")
-    assert "--preference 'leg': not in the experiment; available: arm, back." in message("--preference", "leg")
+    assert "--action higher: not in the experiment; available: high, low." in message("--action", "higher")
+    assert "--preference leg: not in the experiment; available: arm, back." in message("--preference", "leg")
     assert "--phases 'now': four times in s with commas between" in message("--phases", "now")
     assert "no.yaml" in message("--subject", "no.yaml")
     assert "nonsense: neither a file nor a mapping" in message("--mapping", "nonsense")
@@ -162,7 +162,7 @@ def test_what_cannot_be_imported_is_said_before_anything_is_read(recorded: Path)
 
 
 def test_what_cannot_be_fitted_is_said() -> None:
-    assert "--preference 'leg': not in the experiment; available: arm, back." in refused(
+    assert "--preference leg: not in the experiment; available: arm, back." in refused(
         2, "record", "fit", "paper", "--preference", "leg"
     )
     assert "--preference 'arm': no recorded reaction can be used: `recorded` names none." in refused(

@@ -49,12 +49,13 @@ def whole(suffix: str, folder: Path) -> list[bytes]:
         return [c3d_file(folder / "whole.c3d", POSITION * 1000).read_bytes()]
     names = ("Pelvis", "L5", "T8", "Head", "RightFoot")
     body = [place for name in names if (place := load_mapping("xsens").place(name))]
+    points = {"pTopOfHead": ("Head", np.array([0.0, 0.0, 0.18]))}
     return {
         ".trc": [trc(POSITION)],
         ".mot": [mot(plate_columns(np.full(9, 700.0))), mot({"knee_angle_r": np.arange(9.0), "pelvis_ty": np.ones(9)})],
         ".sto": [mot({"knee_angle_r": np.arange(9.0)})],
         ".bvh": [bvh()],
-        ".mvnx": [mvnx(np.tile(standing_m(body), (6, 1, 1)), names)],
+        ".mvnx": [mvnx(np.tile(standing_m(body), (6, 1, 1)), names, points=points)],
         ".csv": [csv_markers(POSITION, LABELS)],
     }[suffix]
 
