@@ -43,6 +43,7 @@ from fatigue_planner.study.benchmark.selection import cells, references
 SECTIONS = list(Experiment.model_fields)
 LONG = (  # with many settings, or with settings that are long to try
     "benchmark", "preferences", "actions", "fatigue", "controller", "workers", "cost", "hidden_workers", "robot",
+    "statistics", "recording_accuracy",
 )  # fmt: skip
 
 
@@ -96,6 +97,12 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
         yield keys
 
 
+@pytest.fixture(scope="module")
+def base(keys_of: Callable[[Content], Keys]) -> Keys:
+    """The keys of the experiment as it is."""
+    return keys_of(EXPERIMENT)
+
+
 def rule_of(leaf: Leaf) -> Rule:
     found = [rule for rule in RULES for name in rule.names if fnmatch.fnmatchcase(leaf.name, _pattern(name))]
     assert len(found) == 1, f"{leaf.name}: {len(found)} rules"
@@ -137,9 +144,8 @@ def test_every_setting_there_is_has_a_rule_and_is_changed() -> None:
 
 @pytest.mark.parametrize("section", [pytest.param(s, marks=pytest.mark.slow) if s in LONG else s for s in SECTIONS])
 def test_a_setting_changes_the_keys_of_what_it_decides_and_no_other(
-    section: str, keys_of: Callable[[Content], Keys]
+    section: str, base: Keys, keys_of: Callable[[Content], Keys]
 ) -> None:
-    base = keys_of(EXPERIMENT)
     for leaf in EVERY_LEAF:
         content = change_of(leaf) if leaf.path[0] == section else None
         if content is None:
@@ -158,9 +164,10 @@ def test_a_setting_changes_the_keys_of_what_it_decides_and_no_other(
         assert found == expected, leaf.path
 
 
-def test_names_order_and_spelling_decide_only_where_they_are_used(keys_of: Callable[[Content], Keys]) -> None:
+def test_names_order_and_spelling_decide_only_where_they_are_used(
+    base: Keys, keys_of: Callable[[Content], Keys]
+) -> None:
     """Streams of chance go by the names of conditions and policies; all other names are for people."""
-    base = keys_of(EXPERIMENT)
     renamed = json.loads(json.dumps(EXPERIMENT).replace("tired_woman", "t_w"))
     now = keys_of(renamed)
     assert {name for name in base.cells if name not in now.cells} == {n for n in base.cells if n[0] == "tired_woman"}
@@ -179,9 +186,8 @@ def test_names_order_and_spelling_decide_only_where_they_are_used(keys_of: Calla
 
 
 def test_a_strength_set_counts_by_its_values_not_by_its_name(
-    keys_of: Callable[[Content], Keys], tmp_path: Path
+    base: Keys, keys_of: Callable[[Content], Keys], tmp_path: Path
 ) -> None:
-    base = keys_of(EXPERIMENT)
     content = copy.deepcopy(EXPERIMENT)
     for values, same in (("", True), ("  neck_flexion: {positive: 1.0, source: none}\n", False)):
         rows = f"degrees_of_freedom:\n{values}" if values else "degrees_of_freedom: {}\n"
