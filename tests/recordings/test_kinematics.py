@@ -306,7 +306,7 @@ def test_real_chair() -> None:
     sat = carried(contacts, len(own.configuration))
     up = own.configuration[:, 2] > own.configuration[:, 2].max() - 0.05
     assert not (sat & up).any()
-    assert unmarked_joints(calibration.markers.bodies) == ("neck", "head", "right_wrist", "left_wrist")
+    assert unmarked_joints(calibration.markers.shown) == ("neck", "head", "right_wrist", "left_wrist")
 
 
 def test_real_torques_beside_opensim() -> None:

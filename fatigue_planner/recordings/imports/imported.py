@@ -101,7 +101,7 @@ def import_recording(
     motion = motion_of(person, request, Course(movement, torques.torque_nm, wrench), bounds, origin)
     found_contacts = contacts.unmeasured_contacts(person.model(), movement, torques)
     other = contacts.carried(found_contacts, recording.frames)
-    evidence = Evidence(person, own, calibration.markers.bodies, torques, ground, other)
+    evidence = Evidence(person, own, calibration.markers, torques, ground, other)
     quality = quality_of(evidence, request, motion, bounds)
     key = _key(found, static, bounds, plate_lag_s)
     findings = [

@@ -18,7 +18,7 @@ from fatigue_planner.recordings.dynamics import Movement, Torques
 from fatigue_planner.recordings.imports import contacts
 from fatigue_planner.recordings.imports.contacts import on_one_plate, planted, soles_m
 from fatigue_planner.recordings.imports.phases import Bounds
-from fatigue_planner.recordings.kinematics.markers import unmarked_joints
+from fatigue_planner.recordings.kinematics.markers import Markers, unmarked_joints
 from fatigue_planner.recordings.kinematics.measured import Measured
 from fatigue_planner.recordings.kinematics.tracking import Track, longest_run
 from fatigue_planner.recordings.recording import GroundForce, Recording
@@ -38,7 +38,7 @@ class Evidence:
 
     person: Measured
     track: Track
-    marked: tuple[str, ...]  # the body of each marker
+    markers: Markers
     torques: Torques
     ground: Sequence[GroundForce]
     other: Flags  # where something unmeasured carries
@@ -46,7 +46,7 @@ class Evidence:
 
 def quality_of(evidence: Evidence, request: MotionRequest, motion: Motion, bounds: Bounds) -> RecordedQuality:
     """How good the recording is within its bounds, and what that makes of the motion."""
-    assumed = unmarked_joints(evidence.marked)
+    assumed = unmarked_joints(evidence.markers.shown)
     held = {
         side: max(
             run.right_kg if side == "right" else run.left_kg
@@ -132,8 +132,8 @@ def _phase(evidence: Evidence, phase: Phase, ends_s: tuple[float, float], time_s
     each = np.sqrt(_mean(distance**2, axis=0))
     worst = int(np.nan_to_num(each).argmax())
     gone = {
-        body: longest_run(~np.isfinite(distance[:, [own == body for own in evidence.marked]]).any(axis=1))
-        for body in dict.fromkeys(evidence.marked)
+        body: longest_run(~np.isfinite(distance[:, [own == body for own in evidence.markers.bodies]]).any(axis=1))
+        for body in dict.fromkeys(evidence.markers.bodies)
     }
     body = max(gone, key=lambda name: gone[name])
     soles = soles_m(evidence.person, track.configuration)

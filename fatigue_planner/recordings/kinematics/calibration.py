@@ -121,7 +121,7 @@ def _linear(
             side[where] += columns.T @ off / SKIN_M**2
     prior = np.concatenate([np.ones(len(SEGMENTS)), nominal.local_m.ravel(), np.zeros(3 * frames)])
     sigma = np.concatenate(
-        [np.full(len(SEGMENTS), FACTOR_SIGMA), np.repeat(nominal.sigma_m, 3), np.full(3 * frames, 1.0)]
+        [np.full(len(SEGMENTS), FACTOR_SIGMA), np.repeat(nominal.place_sigma_m, 3), np.full(3 * frames, 1.0)]
     )
     matrix[np.diag_indices(size)] += sigma**-2.0
     found = np.linalg.solve(matrix, side + prior / sigma**2)

@@ -1,22 +1,23 @@
 """The markers of a recording that are on a body, and where on it they are."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
-from fatigue_planner.human.skeleton import JOINTS
-from fatigue_planner.recordings.mapping import landmark_table, load_mapping
+from fatigue_planner.human.skeleton import JOINTS, ROOT_BODY
+from fatigue_planner.recordings.mapping import Place, landmark_table, load_mapping
 from fatigue_planner.recordings.recording import Recording
 
 Vector = NDArray[np.float64]
 
 # How far a marker may be from where the table has it on this body: 3 cm, or along a limb.
 FIRM_M, LOOSE_M = 0.03, 0.08
-# How well the place of a marker is known once it is calibrated: skin over bone.
-SKIN_M = 0.01
+# How well the place of a marker is known once it is calibrated: skin over bone. One at a joint behind which nothing is
+# seen stays there: away from it, it would seem to show how that body turns.
+SKIN_M, AT_JOINT_M = 0.01, 1e-4
 # Bodies without which there is no posture.
 NEEDED = ("pelvis", "thorax", "right_thigh", "left_thigh", "right_shank", "left_shank")
 
@@ -25,7 +26,8 @@ NEEDED = ("pelvis", "thorax", "right_thigh", "left_thigh", "right_shank", "left_
 class Markers:
     """Labels (k), the body of each, its place there (k, 3) m, how well that is known (k,) m, and its landmark.
 
-    landmarks (k), by the mapping; none, if markers are not by a mapping.
+    landmarks (k), by the mapping; none, if markers are not by a mapping. shows (k): the body whose turning each shows:
+    its own, or the one before where it is at a joint behind which nothing is seen; none: their own.
     """
 
     labels: tuple[str, ...]
@@ -33,6 +35,18 @@ class Markers:
     local_m: Vector
     sigma_m: Vector
     landmarks: tuple[str, ...] = ()
+    shows: tuple[str, ...] = ()
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The body (k) whose turning each shows."""
+        return self.shows or self.bodies
+
+    @property
+    def place_sigma_m(self) -> Vector:
+        """How far a calibration may move each place (k,) m."""
+        own = [shown == body for shown, body in zip(self.shown, self.bodies, strict=True)]
+        return np.where(own, self.sigma_m, AT_JOINT_M)
 
     def of(self, labels: tuple[str, ...]) -> tuple["Markers", list[int]]:
         """Those with these labels, and where each is among the labels."""
@@ -43,6 +57,7 @@ class Markers:
             self.local_m[keep],
             self.sigma_m[keep],
             tuple(self.landmarks[i] for i in keep if self.landmarks),
+            tuple(self.shows[i] for i in keep if self.shows),
         )
         return own, [labels.index(label) for label in own.labels]
 
@@ -70,15 +85,27 @@ def markers_of(recording: Recording, mapping: str | None, stature_m: float) -> M
         scale * np.array([place.at_m for _, place in found]),
         np.array([LOOSE_M if place.loose else FIRM_M for _, place in found]),
         tuple(place.landmark for _, place in found),
+        _shows([place for _, place in found]),
     )
 
 
-def unmarked_joints(bodies: Collection[str]) -> tuple[str, ...]:
-    """The joints with none of the marked bodies beyond them, as the wrist without markers on the hand.
+def _shows(places: Sequence[Place]) -> tuple[str, ...]:
+    """The body whose turning each place shows: a joint's centre shows that of the body behind only if more is seen."""
+    there = {place.body for place in places}
+    turned = {place.body for place in places if place.at_m.any()} | {ROOT_BODY}
+    for joint in reversed(JOINTS):
+        if joint.child in there | turned:
+            turned.add(joint.parent)
+    before = {joint.child: joint.parent for joint in JOINTS}
+    return tuple(place.body if place.body in turned else before[place.body] for place in places)
+
+
+def unmarked_joints(shown: Collection[str]) -> tuple[str, ...]:
+    """The joints with none of the bodies that markers show beyond them, as the wrist without markers on the hand.
 
     Their postures are assumed, and no torque is reported of them: a guess would be taken for a measurement.
     """
-    beyond = set(bodies)
+    beyond = set(shown)
     for joint in reversed(JOINTS):
         if joint.child in beyond:
             beyond.add(joint.parent)

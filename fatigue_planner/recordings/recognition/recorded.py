@@ -170,7 +170,7 @@ def _from_markers(label: Label, recording: Recording, mapping: str | None, worke
     angles = np.degrees(found.configuration[:, 7:])
     moves = calibration.problem().moves
     is_seen = np.zeros((recording.frames, len(BODIES)), bool)
-    for k, body in enumerate(markers.bodies):
+    for k, body in enumerate(markers.shown):
         is_seen[:, BODIES.index(body)] |= np.isfinite(found.distance_m[:, k])
     angles[~(is_seen @ moves)] = np.nan  # no marker that was seen is moved by this angle
     return angles
