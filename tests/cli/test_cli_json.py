@@ -109,6 +109,7 @@ def test_cache(cache_folder: Path, tmp_path: Path) -> None:
     assert (found["taken"], found["refused"]) == (4, 0)
 
 
+@pytest.mark.slow
 def test_doctor_and_human(cache_folder: Path, tmp_path: Path) -> None:
     found = document("doctor", "--cache", tmp_path, "--results", tmp_path)
     assert found["healthy"] and {"solvers", "HDF5"} <= {one["what"] for one in found["findings"]}

@@ -136,6 +136,7 @@ def test_from_the_first_handler_to_the_last_line_a_signal_is_never_lost_and_neve
     assert sum(code == 143 for code, *_ in ends) > 10
 
 
+@pytest.mark.slow
 def test_a_simulation_is_stopped_and_goes_on(tmp_path: Path) -> None:
     coarse = tmp_path / "coarse.yaml"
     coarse.write_text(PAPER.read_text().replace("time_step_s: 0.01", "time_step_s: 0.02"))

@@ -70,6 +70,7 @@ def tables(
     return b"".join((folder / name).read_bytes() for name in (TRIALS_FILE, ACTIONS_FILE))
 
 
+@pytest.mark.slow
 def test_every_item_is_done_once_and_an_error_of_the_work_is_raised(two: Cluster) -> None:
     executor = DaskCluster(two.address)
     assert sorted(executor.run(square, range(50))) == [(index, index * index) for index in range(50)]

@@ -440,6 +440,7 @@ def test_an_infeasible_program_has_no_solution(capfd: pytest.CaptureFixture[str]
     assert capfd.readouterr().out == ""  # solvers do not talk
 
 
+@pytest.mark.slow
 def test_halving_the_time_step_changes_no_cycle_map_by_a_hundredth(
     paper: Experiment, reactions: tuple[Reaction, ...]
 ) -> None:

@@ -56,6 +56,7 @@ def woman(paper: Experiment) -> Worker:
     )
 
 
+@pytest.mark.slow
 def test_the_committed_page_is_what_the_command_writes(paper: Experiment, reactions: tuple[Reaction, ...]) -> None:
     """The same words; numbers alike to a unit of the last digit printed, as simulations differ by rounding."""
     now, committed = page(paper, reactions), PAGE.read_text(encoding="utf-8")

@@ -83,6 +83,7 @@ def test_a_second_simulation_gives_the_same_bytes(brief: Experiment, tmp_path: P
     assert one.read_bytes() == other.read_bytes() and one.name == other.name
 
 
+@pytest.mark.slow
 def test_an_experiment_finds_what_another_has_simulated(paper: Experiment, brief: Experiment, tmp_path: Path) -> None:
     complete(brief, tmp_path)
     two = brief.model_copy(update={"name": "other", "preferences": paper.preferences})

@@ -69,6 +69,7 @@ def test_regret_is_what_the_decisions_lose_by_the_references_values(scenarios: d
     assert regret.agreement == np.mean(np.array(losses) == 0)
 
 
+@pytest.mark.slow
 def test_the_reference_loses_nothing(scenarios: dict[str, Scenario]) -> None:
     own = judged(cell(scenarios["multiple_novice"], "reference", SAME))
     assert all((r.run_loss, r.agreement) == (0, 1) for r in own.run(range(3)).values())
