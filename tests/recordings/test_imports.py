@@ -41,6 +41,7 @@ from fatigue_planner.recordings.imports.subject import Subject, load_subject, st
 from fatigue_planner.recordings.inference.finding import Given
 from fatigue_planner.recordings.inference.interpret import Interpreted
 from fatigue_planner.recordings.mapping import landmark_table, load_mapping
+from fatigue_planner.recordings.recognition.recorded import moved_by_angles_m
 from fatigue_planner.recordings.recording import GroundForce
 
 Vector = NDArray[np.float64]
@@ -450,6 +451,11 @@ def test_the_bony_points_of_a_suit_show_how_hands_and_head_turn(trial: Trial, tm
         f"{joint}_flexion" for joint in assumed
     }
     assert max(off_deg(without)[name] for name in bends) < 1
+    # so it turns neither with the wrist nor with the forearm, on whose axis it is
+    moved_m = moved_by_angles_m(without.calibration, without.track.configuration[::100])
+    hand = dict(zip(DEGREES_OF_FREEDOM, moved_m[without.track.labels.index("RightHand")], strict=True))
+    assert max(hand[f"right_{name}"] for name in ("wrist_flexion", "wrist_deviation", "forearm_pronation")) < 0.001
+    assert min(hand[f"right_{name}"] for name in ("elbow_flexion", "shoulder_flexion", "shoulder_rotation")) > 0.1
 
 
 def of_a_real(name: str, times_s: list[float]) -> Imported:

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed, shortened
 from fatigue_planner.core.files import digest_of_bytes
+from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import Worker
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
+from fatigue_planner.human.skeleton import DEGREES_OF_FREEDOM
 from fatigue_planner.motion.settings import Cycle
 from fatigue_planner.recordings.check import read_recording
 from fatigue_planner.recordings.formats.text import named_rows
 from fatigue_planner.recordings.inference.finding import Given
-from fatigue_planner.recordings.kinematics.calibration import calibrate
+from fatigue_planner.recordings.kinematics.calibration import Calibration, calibrate
 from fatigue_planner.recordings.kinematics.markers import markers_of
 from fatigue_planner.recordings.kinematics.tracking import track
 from fatigue_planner.recordings.recognition.repetitions import N_PARTS, Growing, Repetitions
@@ -34,6 +35,9 @@ OPTIONAL = (*INSTANTS, "static", "mapping")
 MAX_ROWS = 10_000
 # Markers this far from the body that was fitted to them, RMS, are no posture (OpenSim's evaluation checklist).
 MAX_RMS_M = 0.02
+# A marker that a radian moves by less than this is on the angle's axis, and says nothing of it: a centimetre is what
+# skin moves over bones (assumed). Looked at in about so many postures, by differences of this step.
+LEAST_MOVED_M, POSTURES, STEP_RAD = 0.01, 20, 1e-4
 
 
 @dataclass(frozen=True)
@@ -168,12 +172,28 @@ def _from_markers(label: Label, recording: Recording, mapping: str | None, worke
             f"{100 * MAX_RMS_M:.0f} cm. Are mapping and person right?"
         )
     angles = np.degrees(found.configuration[:, 7:])
-    moves = calibration.problem().moves
-    is_seen = np.zeros((recording.frames, len(BODIES)), bool)
-    for k, body in enumerate(markers.shown):
-        is_seen[:, BODIES.index(body)] |= np.isfinite(found.distance_m[:, k])
-    angles[~(is_seen @ moves)] = np.nan  # no marker that was seen is moved by this angle
+    is_seen = np.isfinite(found.distance_m)
+    postures = found.configuration[:: max(1, recording.frames // POSTURES)]
+    moved_m = moved_by_angles_m(calibration, postures)
+    angles[~(is_seen @ (moved_m > LEAST_MOVED_M))] = np.nan  # no marker that was seen is moved by this angle
     return angles
+
+
+def moved_by_angles_m(calibration: Calibration, configurations: Array) -> Array:
+    """How far each marker (k) is moved by each angle, in m per rad, in that of the postures where it is moved most."""
+    tree, markers = tree_of(calibration.person), calibration.markers
+
+    def positions(postures: Array) -> Array:
+        poses = poses_of(tree, postures)
+        places = zip(markers.bodies, markers.local_m, strict=True)
+        return np.stack([poses.points(body, at) for body, at in places], axis=1)
+
+    before, moved = positions(configurations), []
+    for dof in range(len(DEGREES_OF_FREEDOM)):
+        turned = configurations.copy()
+        turned[:, 7 + dof] += STEP_RAD
+        moved.append(np.linalg.norm(positions(turned) - before, axis=2).max(axis=0) / STEP_RAD)
+    return np.stack(moved, axis=1)
 
 
 def _parts(recording: Recording, angles_deg: Array, label: Label, cycle: Cycle) -> Array:
