@@ -144,7 +144,7 @@ def damages(change: str, path: Path) -> st.SearchStrategy[bytes]:
 @pytest.mark.parametrize(
     ("change", "count"),
     [
-        ("bytes", 100), ("structure", 50),
+        ("bytes", 100), ("structure", 100),
         *(pytest.param(change, 5_000, marks=pytest.mark.slow) for change in ("bytes", "structure")),
     ],
 )  # fmt: skip
