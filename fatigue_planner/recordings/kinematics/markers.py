@@ -1,6 +1,6 @@
 """The markers of a recording that are on a body, and where on it they are."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fatigue_planner.core.errors import RecordingError, listed
 from fatigue_planner.human.skeleton import JOINTS, ROOT_BODY
-from fatigue_planner.recordings.mapping import Place, landmark_table, load_mapping
+from fatigue_planner.recordings.mapping import landmark_table, load_mapping
 from fatigue_planner.recordings.recording import Recording
 
 Vector = NDArray[np.float64]
@@ -26,8 +26,7 @@ NEEDED = ("pelvis", "thorax", "right_thigh", "left_thigh", "right_shank", "left_
 class Markers:
     """Labels (k), the body of each, its place there (k, 3) m, how well that is known (k,) m, and its landmark.
 
-    landmarks (k), by the mapping; none, if markers are not by a mapping. shows (k): the body whose turning each shows:
-    its own, or the one before where it is at a joint behind which nothing is seen; none: their own.
+    landmarks (k), by the mapping; none, if markers are not by a mapping.
     """
 
     labels: tuple[str, ...]
@@ -35,12 +34,22 @@ class Markers:
     local_m: Vector
     sigma_m: Vector
     landmarks: tuple[str, ...] = ()
-    shows: tuple[str, ...] = ()
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The body (k) whose turning each shows."""
-        return self.shows or self.bodies
+        """The body (k) whose turning each shows: its own, or the one before where it is at a joint behind which
+        nothing is seen.
+        """
+        if not self.landmarks:
+            return self.bodies
+        known = landmark_table().landmarks
+        away = [any(known[landmark].at_m) for landmark in self.landmarks]
+        turned = {ROOT_BODY, *(body for body, is_away in zip(self.bodies, away, strict=True) if is_away)}
+        for joint in reversed(JOINTS):
+            if joint.child in turned.union(self.bodies):
+                turned.add(joint.parent)
+        before = {joint.child: joint.parent for joint in JOINTS}
+        return tuple(body if body in turned else before[body] for body in self.bodies)
 
     @property
     def place_sigma_m(self) -> Vector:
@@ -57,7 +66,6 @@ class Markers:
             self.local_m[keep],
             self.sigma_m[keep],
             tuple(self.landmarks[i] for i in keep if self.landmarks),
-            tuple(self.shows[i] for i in keep if self.shows),
         )
         return own, [labels.index(label) for label in own.labels]
 
@@ -85,19 +93,7 @@ def markers_of(recording: Recording, mapping: str | None, stature_m: float) -> M
         scale * np.array([place.at_m for _, place in found]),
         np.array([LOOSE_M if place.loose else FIRM_M for _, place in found]),
         tuple(place.landmark for _, place in found),
-        _shows([place for _, place in found]),
     )
-
-
-def _shows(places: Sequence[Place]) -> tuple[str, ...]:
-    """The body whose turning each place shows: a joint's centre shows that of the body behind only if more is seen."""
-    there = {place.body for place in places}
-    turned = {place.body for place in places if place.at_m.any()} | {ROOT_BODY}
-    for joint in reversed(JOINTS):
-        if joint.child in there | turned:
-            turned.add(joint.parent)
-    before = {joint.child: joint.parent for joint in JOINTS}
-    return tuple(place.body if place.body in turned else before[place.body] for place in places)
 
 
 def unmarked_joints(shown: Collection[str]) -> tuple[str, ...]:
