@@ -75,10 +75,8 @@ def _bony_points(segment: ElementTree.Element) -> Iterator[tuple[str, list[float
         label = point.get("label", "")
         if point.tag.rpartition("}")[2] != "point" or label.startswith("j"):
             continue
-        said = next((child.text for child in point if child.tag.rpartition("}")[2] in ("pos_b", "pos_s")), None)
-        words = (said or "").split()
         try:
-            place = [number(word, 0) for word in words]
+            place = [number(word, 0) for word in _text(point, "pos_b", "pos_s").split()]
         except RecordingError:
             place = []
         if len(place) != 3 or not all(map(math.isfinite, place)):
@@ -104,14 +102,19 @@ def _number(element: ElementTree.Element, key: str) -> float:
 
 
 def _numbers(frame: ElementTree.Element, key: str) -> list[float]:
-    found = next((child for child in frame if child.tag.rpartition("}")[2] == key), None)
-    where = f"frame {frame.get('index')}: {key}"
-    if found is None or not found.text:
+    text, where = _text(frame, key), f"frame {frame.get('index')}: {key}"
+    if not text:
         raise RecordingError(f"{where} is missing.")
     try:
-        return [number(word, 0) for word in found.text.split()]
+        return [number(word, 0) for word in text.split()]
     except RecordingError:
         raise RecordingError(f"{where} has what is not a number.") from None
+
+
+def _text(element: ElementTree.Element, *names: str) -> str:
+    """The text of an element's first child that is called so; empty if there is none."""
+    found = (child.text for child in element if child.tag.rpartition("}")[2] in names)
+    return next(found, None) or ""
 
 
 def _array(rows: list[tuple[list[float], list[float]]], which: int, per: int, segments: int) -> Vector:
