@@ -13,7 +13,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import talk, warn
-from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError
+from fatigue_planner.core.errors import ExitCode, MissingExtraError, SelectionError, check_known
 from fatigue_planner.core.text import counted
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def policy_of(loaded: "Experiment", option: str, name: str | None) -> "PolicySet
     known = loaded.benchmark.policies
     if name is None:
         return None
-    options.check_known(option, name, known)
+    check_known(option, name, known)
     return known[name]
 
 
@@ -186,7 +186,7 @@ def task_of(loaded: "Experiment", condition: str | None, cache: Path, command: s
 
     conditions = loaded.benchmark.conditions
     chosen = next(iter(conditions)) if condition is None else condition
-    options.check_known("condition", chosen, conditions)
+    check_known("condition", chosen, conditions)
     profiles = load_cycle_profiles(loaded, cache, command)
     warn(omissions(loaded, profiles, profiles.ruled_out))
     possible = without_infeasible(loaded, profiles, profiles.ruled_out)

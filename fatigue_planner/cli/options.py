@@ -3,14 +3,14 @@
 import json
 import shlex
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fatigue_planner.core.errors import MissingExtraError, SelectionError, listed
+from fatigue_planner.core.errors import MissingExtraError, SelectionError
 from fatigue_planner.core.executors.processes import LocalProcesses, available_cores
 
 if TYPE_CHECKING:
@@ -116,12 +116,6 @@ def executor_of(jobs: int, dask: str | None) -> "Executor":
     from fatigue_planner.core.executors.dask import DaskCluster
 
     return DaskCluster(dask)
-
-
-def check_known(option: str, name: str, known: Iterable[str], where: str = "the experiment's benchmark") -> None:
-    """Raise SelectionError if what an option names is not there."""
-    if name not in (names := list(known)):
-        raise SelectionError(f"--{option} {name}: not in {where}; available: {listed(names)}.")
 
 
 def present(document: Mapping[str, Any], text: str, as_json: bool) -> None:

@@ -85,7 +85,7 @@ def check(
 
     if mapping is not None:
         load_mapping(mapping)
-    given = Given(units, up, rate, prefix, mapping, mass, heading, exchange_sides)
+    given = Given(units, up, rate, prefix, mapping, mass, heading_deg=heading, exchange_sides=exchange_sides)
     checked = check_files(files, given, Choices(reader, None if angles is None else angles == "deg"))
     document = {"files": [_row(one) for one in checked], "refused": sum(one.found is None for one in checked)}
     options.present(document, "\n".join(map(told, checked)), as_json)

@@ -7,7 +7,7 @@ import typer
 
 from fatigue_planner.cli import options
 from fatigue_planner.cli.progress import progress
-from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.errors import SelectionError, check_known
 
 if TYPE_CHECKING:
     from fatigue_planner.experiment.schema import Experiment
@@ -73,9 +73,9 @@ def _examples(
     from fatigue_planner.reactions.reaction import FailedReaction
     from fatigue_planner.recordings.learning.preference_fit import Example, angles_deg
 
-    options.check_known("preference", preference, settings.preferences, "the experiment")
+    check_known("preference", preference, settings.preferences, "the experiment")
     if not settings.preferences[preference].tasks:
-        raise SelectionError(f"--preference {preference}: has no tasks whose weights could be fitted.")
+        raise SelectionError(f"--preference {preference!r}: has no tasks whose weights could be fitted.")
     requests = [
         request
         for request in reaction_requests(settings)

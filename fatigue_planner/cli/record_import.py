@@ -82,7 +82,7 @@ def import_(
     settings, person = load_experiment(experiment), load_subject(subject)
     request = _request(settings, worker_of(settings, person, subject), action, preference)
     # what the plates show beside the body is told of each phase, so its mass is not asked for
-    given = Given(units, up, rate, prefix, mapping, None, heading, exchange_sides)
+    given = Given(units, up, rate, prefix, mapping, heading_deg=heading, exchange_sides=exchange_sides)
     choices = Choices(reader, None if angles is None else angles == "deg")
     form, found = read_recording(*files, given=given, choices=choices)
     static = static_files(subject, person)
@@ -152,10 +152,11 @@ def _publish_pages(
 
 def _request(settings: "Experiment", worker: str, action: str, preference: str) -> "ReactionRequest":
     """The request for the reaction that a recording is. Raises SelectionError for an unknown action or preference."""
+    from fatigue_planner.core.errors import check_known
     from fatigue_planner.experiment.build import reaction_requests
 
-    options.check_known("action", action, settings.actions, "the experiment")
-    options.check_known("preference", preference, settings.preferences, "the experiment")
+    check_known("action", action, settings.actions, "the experiment")
+    check_known("preference", preference, settings.preferences, "the experiment")
     return next(one for one in reaction_requests(settings) if one.name == (worker, action, preference))
 
 

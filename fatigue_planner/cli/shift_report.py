@@ -8,7 +8,7 @@ import typer
 
 from fatigue_planner.cli import live, options
 from fatigue_planner.cli.progress import talk
-from fatigue_planner.core.errors import SelectionError
+from fatigue_planner.core.errors import SelectionError, check_known
 
 
 def report(
@@ -148,6 +148,6 @@ def card(
     assert named is not None
     loaded = load_experiment(find_shipped(named))
     if condition is not None:
-        options.check_known("condition", condition, loaded.benchmark.conditions)
+        check_known("condition", condition, loaded.benchmark.conditions)
     publish_text(output, card(Told(loaded, condition, policy, keep_days)))
     options.present({"file": output}, f"{output}.", as_json)

@@ -204,6 +204,12 @@ def told_apart(first: float, second: float, form: str) -> tuple[str, str]:
         digits += 1
 
 
+def check_known(option: str, name: str, known: Iterable[str], where: str = "the experiment's benchmark") -> None:
+    """Raise SelectionError if what an option names is not there."""
+    if name not in (names := list(known)):
+        raise SelectionError(f"--{option} {name}: not in {where}; available: {listed(names)}.")
+
+
 def listed(items: Iterable[object]) -> str:
     """Items with commas between them; of many the first."""
     texts = [str(item) for item in items]

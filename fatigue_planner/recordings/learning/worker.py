@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fatigue_planner.core.errors import SelectionError, listed
+from fatigue_planner.core.errors import SelectionError, check_known
 from fatigue_planner.experiment.build import scenario
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.fatigue.model import CycleProfile
@@ -32,8 +32,7 @@ def learn_worker(
     """
     conditions = experiment.benchmark.conditions
     name = next(iter(conditions)) if condition is None else condition
-    if name not in conditions:
-        raise SelectionError(f"--condition {name}: not in the experiment's benchmark; available: {listed(conditions)}.")
+    check_known("condition", name, conditions)
     if len(experiment.preferences) == 1:
         raise SelectionError("the experiment has one preference: there is nothing to choose.")
     task = scenario(experiment, profiles, conditions[name].model_copy(update={"choice_model": None}))
