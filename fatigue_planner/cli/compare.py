@@ -80,6 +80,8 @@ def _stations(first: Path, second: Path, save: Path | None, language: str) -> Co
         "folders": [str(first), str(second)],
         "settings": found.settings,
         "places": [row._asdict() for row in found.places],
+        "cannot": [row._asdict() for row in found.cannot],
+        "shares": [row._asdict() for row in found.shares],
         "cycles": [row._asdict() for row in found.cycles],
     }
     return document, comparison_text(found), [save] if save else []

@@ -25,7 +25,6 @@ Places = tuple[str, ...]
 
 NOT_REACHED = "{place} is left out: {workers} cannot work there"
 FORBIDDEN = "{place} is left out: not acceptable for {worker} by {rules}"
-# How near to being of use an outcome is.
 _NEAREST = ("reached", "implausible", "too_weak", "missed")
 
 
@@ -51,9 +50,16 @@ def places_for_workers(
                 level = judged[best.doing].level
                 found.append(PlaceForWorker(worker, operation, place, best.doing.way, level, best))
             else:
-                nearest = min(here, key=lambda each: (_NEAREST.index(each.kind), each.missed_m or math.inf))
-                found.append(PlaceForWorker(worker, operation, place, None, None, nearest))
+                found.append(PlaceForWorker(worker, operation, place, None, None, min(here, key=nearness)))
     return found
+
+
+def nearness(outcome: Outcome) -> tuple[int, float]:
+    """How near to being of use an outcome is, the least is nearest: by kind, then by m missed or s beyond limits."""
+    kind = _NEAREST.index(outcome.kind)
+    if outcome.kind == "missed":
+        return kind, math.inf if outcome.missed_m is None else outcome.missed_m
+    return kind, sum(each.seconds for each in outcome.breaches)
 
 
 def summaries(station: Station, places: Sequence[PlaceForWorker], judged: Mapping[Doing, Judged]) -> list[PlaceSummary]:

@@ -690,6 +690,33 @@ def test_a_comparison_says_what_got_better_and_what_worse(
     assert [row.verdict for row in back.cycles] == [SAME, SAME, BETTER]
 
 
+def test_a_comparison_says_who_comes_nearer_where_nobody_can_yet(assessment: StationAssessment) -> None:
+    """A place that stays left out may be better all the same, for a worker and for the population."""
+    missed = next(each for each in assessment.places if each.outcome.kind == "missed")
+    broken = replace(missed.outcome, kind="reached", missed_m=None, breaches=(Breach(0, 11.0),))
+    lower = replace(
+        assessment,
+        places=tuple(replace(each, outcome=broken) if each is missed else each for each in assessment.places),
+        shares=tuple(replace(each, share=0.98) for each in assessment.shares),
+    )
+    found = compare_stations(stored(assessment), stored(lower), catalogue_of("en"))
+    assert {row.verdict for row in (*found.places, *found.cycles)} == {SAME}
+    changed = [
+        (row.what, words(row.before), words(row.after), row.verdict) for row in found.rows if row.verdict != SAME
+    ]
+    assert changed == [
+        (("woman P5", "fit", "overhead"), "✕ misses by 12 cm", "✕ breaks limit 1 (11 s)", BETTER),
+        (
+            ("fit", "door", "female"),
+            "90 % reach it, 99 % are strong enough",
+            "98 % reach it, 99 % are strong enough",
+            BETTER,
+        ),
+    ]
+    back = compare_stations(stored(lower), stored(assessment), catalogue_of("en"))
+    assert [row.verdict for row in back.rows if row.verdict != SAME] == [WORSE, WORSE]
+
+
 def test_a_worker_of_a_name_may_be_another_one_after(assessment: StationAssessment) -> None:
     """Each side calls the workers by its own percentiles; a row says both."""
     station, name = assessment.station, assessment.workers[0].name

@@ -9,9 +9,17 @@ from fatigue_planner.output.reports.page import Table, Text
 from fatigue_planner.output.reports.results.compare import differences, flat
 from fatigue_planner.output.reports.station.blocks import Group, Groups, Part, table
 from fatigue_planner.output.reports.station.catalogue import Catalogue
+from fatigue_planner.output.reports.station.details import why_left_out
 from fatigue_planner.output.reports.station.page import render
-from fatigue_planner.output.reports.station.stored import StoredAssessment, StoredCycle, StoredPlace
+from fatigue_planner.output.reports.station.stored import (
+    StoredAssessment,
+    StoredCycle,
+    StoredPlace,
+    StoredPlaceForWorker,
+    StoredShare,
+)
 from fatigue_planner.output.reports.station.wording import Wording
+from fatigue_planner.station.recommendation import nearness
 from fatigue_planner.station.statements import joint_name
 
 # Fatigue that differs by less than half of the last digit that is shown is the same.
@@ -34,14 +42,27 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class StationComparison:
-    """Two assessments: rows of places (operation, place) and of whole cycles (worker), and the settings that differ."""
+    """Two assessments side by side, and the settings that differ.
+
+    places       a row for every (operation, place)
+    cannot       for every (worker, operation, place) where the worker cannot work before or after
+    shares       for every (operation, place, sex): who of the population can
+    cycles       for the whole cycle of every (worker)
+    """
 
     before: StoredAssessment
     after: StoredAssessment
     wording: Wording
     places: tuple[Row, ...]
+    cannot: tuple[Row, ...]
+    shares: tuple[Row, ...]
     cycles: tuple[Row, ...]
     settings: dict[str, tuple[str, str]]
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All of them."""
+        return (*self.places, *self.cannot, *self.shares, *self.cycles)
 
 
 def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: Catalogue) -> StationComparison:
@@ -56,6 +77,8 @@ def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: C
         after,
         both[1],
         tuple(_place_row(both, key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])),
+        tuple(_cannot_rows(both, labels, before, after)),
+        tuple(_share_rows(both, before, after)),
         tuple(_cycle_row(both, labels[name], was.get(name), now.get(name)) for name in names),
         differences(*(flat(_settings_of(found, labels)) for found in (before, after))),
     )
@@ -84,6 +107,27 @@ def _place_row(both: Both, key: tuple[str, str], before: StoredPlace | None, aft
     return Row(tuple(map(both[1].name, key)), words[0], words[1], _place_verdict(before, after))
 
 
+def _cannot_rows(
+    both: Both, labels: Mapping[str, str], before: StoredAssessment, after: StoredAssessment
+) -> Iterator[Row]:
+    old, new = ({(each.worker, each.operation, each.place): each for each in found.places} for found in (before, after))
+    for key in dict.fromkeys([*old, *new]):
+        was, now = old.get(key), new.get(key)
+        if any(each is not None and each.way is None for each in (was, now)):
+            words = [_worker_words(mine, each) for mine, each in zip(both, (was, now), strict=True)]
+            what = (labels[key[0]], *map(both[1].name, key[1:]))
+            yield Row(what, words[0], words[1], _worker_verdict(was, now, words))
+
+
+def _share_rows(both: Both, before: StoredAssessment, after: StoredAssessment) -> Iterator[Row]:
+    old, new = ({(each.operation, each.place, each.sex): each for each in found.shares} for found in (before, after))
+    for key in dict.fromkeys([*old, *new]):
+        was, now = old.get(key), new.get(key)
+        words = [_share_words(mine, each) for mine, each in zip(both, (was, now), strict=True)]
+        what = (*map(both[1].name, key[:2]), both[1].catalogue.term(key[2]))
+        yield Row(what, words[0], words[1], _share_verdict(was, now, words))
+
+
 def _cycle_row(both: Both, label: str, before: StoredCycle | None, after: StoredCycle | None) -> Row:
     words = [_cycle_words(mine, each) for mine, each in zip(both, (before, after), strict=True)]
     return Row((label,), words[0], words[1], _cycle_verdict(before, after))
@@ -96,7 +140,22 @@ def _place_words(wording: Wording, found: StoredPlace) -> str:
     if found.missed_by:
         parts.append(wording.say("cannot: {workers}", workers=wording.workers(found.missed_by)))
     parts += _fatigue_words(wording, found.peak, found.entry)
-    return ": ".join(filter(None, [wording.light(found.grade(), wording.say("not reached")), "; ".join(parts)]))
+    return ": ".join(filter(None, [wording.light(found.grade(), wording.say("left out for all")), "; ".join(parts)]))
+
+
+def _worker_words(wording: Wording, found: StoredPlaceForWorker | None) -> str:
+    if found is None:
+        return "–"
+    return why_left_out(found.outcome, wording) if found.way is None else wording.light(found.grade())
+
+
+def _share_words(wording: Wording, found: StoredShare | None) -> str:
+    if found is None:
+        return "–"
+    if found.strong_share is None:
+        return wording.say("{reach:.0%} reach it", reach=found.share)
+    text = "{reach:.0%} reach it, {strong:.0%} are strong enough"
+    return wording.say(text, reach=found.share, strong=found.strong_share)
 
 
 def _cycle_words(wording: Wording, found: StoredCycle | None) -> str:
@@ -117,6 +176,28 @@ def _place_verdict(before: StoredPlace | None, after: StoredPlace | None) -> str
         return ONLY
     old, new = ((len(each.missed_by), _grade(each.grade()), round(each.seconds)) for each in (before, after))
     return _verdict(old, new, before.peak, after.peak)
+
+
+def _worker_verdict(
+    before: StoredPlaceForWorker | None, after: StoredPlaceForWorker | None, words: Sequence[str]
+) -> str:
+    """Who can is better off than who cannot; of those who cannot, who is nearer to it."""
+    if before is None or after is None:
+        return ONLY
+    if words[0] == words[1]:
+        return SAME
+    old, new = ((each.way is None, nearness(each.outcome)) for each in (before, after))
+    return SAME if old == new else BETTER if new < old else WORSE
+
+
+def _share_verdict(before: StoredShare | None, after: StoredShare | None, words: Sequence[str]) -> str:
+    """More who reach it count first, then more who are strong enough."""
+    if before is None or after is None:
+        return ONLY
+    if words[0] == words[1]:
+        return SAME
+    old, new = ((round(each.share, 2), each.strong_share or 0.0) for each in (before, after))
+    return BETTER if new > old else WORSE
 
 
 def _cycle_verdict(before: StoredCycle | None, after: StoredCycle | None) -> str:
@@ -147,6 +228,11 @@ def parts_of(found: StationComparison) -> list[Part]:
             say("Places"),
             [_table(found, "Every place, for the worst of the workers.", ["Operation", "Place"], found.places)],
         ),
+        Part(say("Who can do what"), [_cannot(found)]),
+        Part(
+            say("Who of the population can"),
+            [_table(found, "Shares of the population.", ["Operation", "Place", "Sex"], found.shares)],
+        ),
         Part(say("The cycle as a whole"), [_table(found, "The cycle of every worker.", ["Worker"], found.cycles)]),
         Part(say("What was changed"), [_settings(found)]),
     ]
@@ -154,9 +240,8 @@ def parts_of(found: StationComparison) -> list[Part]:
 
 def _short(found: StationComparison) -> Iterator[tuple[str, list[str]]]:
     say = found.wording.say
-    rows = [*found.places, *found.cycles]
     for verdict, title in ((BETTER, say("What got better")), (WORSE, say("What got worse"))):
-        mine = [each for each in rows if each.verdict == verdict]
+        mine = [each for each in found.rows if each.verdict == verdict]
         items = [f"{', '.join(each.what)}: {_plain(each.before)} → {_plain(each.after)}" for each in mine]
         yield title, items or [say("Nothing.")]
     old, new = (_recommended(found, each) for each in (found.before, found.after))
@@ -181,6 +266,13 @@ def _table(found: StationComparison, caption: str, what: Sequence[str], rows: Se
     return table(found.wording, caption, [*what, "Before", "After", "Verdict"], content)
 
 
+def _cannot(found: StationComparison) -> Table | Text:
+    if not found.cannot:
+        return Text(found.wording.say("Every worker reaches every place."))
+    caption = "Who cannot before or after: why, or the level."
+    return _table(found, caption, ["Worker", "Operation", "Place"], found.cannot)
+
+
 def _settings(found: StationComparison) -> Table | Text:
     if not found.settings:
         return Text(found.wording.say("The stations are the same."))
@@ -198,8 +290,8 @@ def comparison_page(found: StationComparison) -> str:
         before=f"`{before.station_digest[:16]}`", after=f"`{after.station_digest[:16]}`",
         old=before.version, new=after.version,
     )  # fmt: skip
-    better, worse = (sum(each.verdict == which for each in found.places) for which in (BETTER, WORSE))
-    verdict = wording.say("Places: {better} better, {worse} worse.", better=better, worse=worse)
+    better, worse = (sum(each.verdict == which for each in found.rows) for which in (BETTER, WORSE))
+    verdict = wording.say("{better} better, {worse} worse.", better=better, worse=worse)
     return render(wording, title, footer, ("", verdict), parts_of(found), [])
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from fatigue_planner.core.text import format_label
+from fatigue_planner.ergonomics.result import ShownSeconds
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station import filled_in, front, judgements
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Part, PostureRow, table
@@ -108,8 +109,15 @@ def outcome_words(outcome: Outcome, assessment: StationAssessment, wording: Word
     if outcome.usable:
         judged = next(each for each in assessment.judged if each.doing == outcome.doing)
         return wording.light(judged.level)
+    return why_left_out(outcome, wording)
+
+
+def why_left_out(outcome: Outcome, wording: Wording) -> str:
+    """Why a motion is of no use, in words."""
     if outcome.breaches:
-        numbers = ", ".join(str(each.limit + 1) for each in outcome.breaches)
+        numbers = ", ".join(
+            f"{each.limit + 1} ({wording.number(ShownSeconds(each.seconds))}\u00a0s)" for each in outcome.breaches
+        )
         return f"✕ {wording.say('breaks limit {numbers}', numbers=numbers)}"
     if outcome.kind == "too_weak":
         joint = wording.catalogue.term(format_label(outcome.joint)) if outcome.joint else wording.say("the body")

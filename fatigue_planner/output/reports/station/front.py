@@ -202,7 +202,7 @@ def _place(assessment: StationAssessment, each: PlaceSummary, wording: Wording, 
     row = [
         wording.name(each.operation),
         wording.say("{place} (recommended)", place=place) if recommended else place,
-        wording.light(each.level, wording.say("not reached")),
+        wording.light(each.level, wording.say("left out for all")),
         wording.workers(each.missed_by) or "–",
         wording.rules(each.by, cycle_s, MOST_RULES if brief else None) or "–",
         fatigue,

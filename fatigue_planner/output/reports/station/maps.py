@@ -24,6 +24,7 @@ SCORE = "rula"
 _WIDE, _HIGH, _LINE, _LEFT, _BELOW, _ABOVE = 46, 60, 13, 44, 34, 18
 # What is drawn across a point that is not acceptable, so that colour alone does not say so: lines so far apart, in px.
 _HATCH, _HATCH_INK = 11, "#efc3c8"
+LEFT_OUT = "left out for all: out of reach, too weak, implausible, or beyond a limit"
 AXIS_NAMES = {"x": "ahead, cm", "y": "to the left, cm", "z": "height, cm"}
 LAYERS = {
     "x": "{operation} at {map}, {value:.0f} cm ahead", "y": "{operation} at {map}, {value:.0f} cm to the left",
@@ -86,7 +87,7 @@ def _map(
 def _in_words(wording: Wording, title: str, own: Sequence[PlaceSummary], without_robot: int) -> str:
     """What the picture shows, for who does not see it: how many places of every level."""
     counts = [(wording.catalogue.term(level.words), sum(each.level == level for each in own)) for level in Level]
-    counts.append((wording.say("not reached"), sum(each.level is None for each in own)))
+    counts.append((wording.say("left out for all"), sum(each.level is None for each in own)))
     counts.append((wording.say("left out because of the robot"), without_robot))
     levels = ", ".join(f"{count} {words}" for words, count in counts if count)
     return wording.say("Map: {title}. {count} places: {levels}.", title=title, count=len(own), levels=levels)
@@ -150,7 +151,7 @@ def _hatch(x: int, y: int) -> Iterator[str]:
 
 def _told(assessment: StationAssessment, wording: Wording, each: PlaceSummary, out: Phrase | None) -> str:
     """A point in words, as the table of all places has it."""
-    parts = [wording.name(each.place), wording.light(each.level, wording.say("not reached"))[2:]]
+    parts = [wording.name(each.place), wording.light(each.level, wording.say("left out for all"))[2:]]
     parts.append(wording.rules(each.by, assessment.station.cycle.duration_s))
     if each.missed_by:
         parts.append(wording.say("cannot: {workers}", workers=wording.workers(each.missed_by)))
@@ -198,7 +199,7 @@ def _legend(
 ) -> Iterator[str]:
     """What the signs mean that the map has, and the rules by their numbers."""
     levels = [f"{SIGNS[level]} {wording.catalogue.term(level.words)}" for level in Level]
-    yield ", ".join([*levels, f"{CANNOT} {wording.say('not reached by anybody')}"])
+    yield ", ".join([*levels, f"{CANNOT} {wording.say(LEFT_OUT)}"])
     if any(each.missed_by and each.reached_by for each in own):
         yield wording.say(
             "Dashed frame, {sign} and a number: so many workers cannot work there; the rest is said of the others.",

@@ -7,6 +7,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from fatigue_planner.core.errors import MissingTableError, StaleTableError
 from fatigue_planner.ergonomics.result import Level
+from fatigue_planner.human.anthropometry import Sex
+from fatigue_planner.station.assessment import Outcome
 from fatigue_planner.station.tables import ASSESSMENT
 from fatigue_planner.station.workers import WorkerFacts
 
@@ -55,6 +57,26 @@ class StoredPlace(Graded):
         return max((rule.not_acceptable_s or 0.0 for rule in self.by), default=0.0)
 
 
+class StoredPlaceForWorker(Graded):
+    """See station.assessment.PlaceForWorker."""
+
+    worker: str
+    operation: str
+    place: str
+    way: str | None
+    outcome: Outcome
+
+
+class StoredShare(_Stored):
+    """See station.assessment.ReachShare."""
+
+    operation: str
+    place: str
+    sex: Sex
+    share: float
+    strong_share: float | None
+
+
 class StoredCycle(Graded):
     """See station.assessment.WholeCycle."""
 
@@ -73,7 +95,9 @@ class StoredAssessment(_Stored):
 
     station: dict[str, Any]
     workers: tuple[WorkerFacts, ...]
+    places: tuple[StoredPlaceForWorker, ...]
     summaries: tuple[StoredPlace, ...]
+    shares: tuple[StoredShare, ...]
     cycles: tuple[StoredCycle, ...]
     best: StoredBest
     station_digest: str
@@ -93,7 +117,7 @@ def read_assessment(path: Path) -> StoredAssessment:
     file = path if path.suffix == ".json" else path / ASSESSMENT
     try:
         found = StoredAssessment.model_validate_json(file.read_bytes())
-        _ = [each.grade() for each in (*found.summaries, *found.cycles)]
+        _ = [each.grade() for each in (*found.places, *found.summaries, *found.cycles)]
     except OSError as error:
         raise MissingTableError(f"{file}: cannot be read. Run `fatplan assess` first.") from error
     except (ValidationError, KeyError) as error:
