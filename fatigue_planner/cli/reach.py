@@ -79,8 +79,8 @@ def _with_robot(experiment: "Experiment", arm: str | None, base: tuple[float, fl
 def _headline(cell: "RobotCell", found: Sequence["Presentation"]) -> str:
     base, presented = cell.cell.settings.base_m, sum(not one.reason for one in found)
     return (
-        f"{cell.cell.arm.name}, base {base.x:g} m before the worker, {base.y:g} m to the left, {base.z:g} m high: "
-        f"{presented} of {len(found)} actions can be presented."
+        f"{cell.cell.arm.name}, base {base.x:g} m before the worker, {abs(base.y):g} m to the {base.side}, "
+        f"{base.z:g} m high: {presented} of {len(found)} actions can be presented."
     )
 
 

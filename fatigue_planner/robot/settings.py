@@ -11,6 +11,7 @@ from fatigue_planner.core.errors import listed
 from fatigue_planner.core.settings import Settings
 from fatigue_planner.human.strength_sets import MAX_PATH_LENGTH
 from fatigue_planner.motion.action import Action
+from fatigue_planner.motion.settings import Side
 from fatigue_planner.robot.arm import shipped_arms
 
 Vector = NDArray[np.float64]
@@ -30,6 +31,11 @@ class RobotBase(Settings):
     yaw_deg: float = Field(
         default=180, ge=-360, le=360, description="How the base is turned, in degrees about the vertical."
     )
+
+    @property
+    def side(self) -> Side:
+        """On which side of the worker it stands; the left, if in the middle."""
+        return "right" if self.y < 0 else "left"
 
     def placement(self) -> Vector:
         """The frame (4, 4) of the base in the world."""

@@ -81,6 +81,8 @@ ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 # What single changes do, and another place in every cycle.
 CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed"
 CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
+CHANGED_MORE = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {more:.0%} more fatigue"
+CHANGED_NOTHING = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, as much fatigue"
 UNTRIED = "What one change would do is not computed (--changes)"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"
@@ -229,8 +231,18 @@ def of_changes(changes: Sequence[Change], best: BestPlaces) -> Phrases:
     for each in changes:
         values: Values = {"change": str(each.change), "reached": each.reached_by_all, "allowed": each.allowed}
         values |= {"of_places": each.of_places}
-        saving = each.saving_everywhere
-        yield Phrase(CHANGED, values) if saving is None else Phrase(CHANGED_BY, values | {"saving": saving})
+        template, fatigue = changed_fatigue(each)
+        yield Phrase(template, values | fatigue)
+
+
+def changed_fatigue(change: Change) -> tuple[str, Values]:
+    """The sentence for what a change does to the mean cost of fatigue, and its value, as far as it is shown."""
+    saving = change.saving_everywhere
+    if saving is None:
+        return CHANGED, {}
+    if f"{saving:z.0%}" == "0%":
+        return CHANGED_NOTHING, {}
+    return (CHANGED_BY, {"saving": saving}) if saving > 0 else (CHANGED_MORE, {"more": -saving})
 
 
 def of_robot(station: Station, robot: RobotFinding | None) -> Phrases:

@@ -708,8 +708,8 @@ def test_a_comparison_says_who_comes_nearer_where_nobody_can_yet(assessment: Sta
         (("woman P5", "fit", "overhead"), "✕ misses by 12 cm", "✕ breaks limit 1 (11 s)", BETTER),
         (
             ("fit", "door", "female"),
-            "90 % reach it, 99 % are strong enough",
-            "98 % reach it, 99 % are strong enough",
+            "reached by 90 %, strong enough: 99 %",
+            "reached by 98 %, strong enough: 99 %",
             BETTER,
         ),
     ]

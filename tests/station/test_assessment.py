@@ -28,7 +28,7 @@ from fatigue_planner.station.examine import Examined, examine
 from fatigue_planner.station.loader import load_station
 from fatigue_planner.station.rotation import DISCOUNT, best_rotation
 from fatigue_planner.station.sensing import scenario_of, sensing_of, ways_of
-from fatigue_planner.station.statements import headline_of
+from fatigue_planner.station.statements import headline_of, of_changes
 from fatigue_planner.study.schedule import start_of
 
 pytestmark = pytest.mark.slow
@@ -274,3 +274,11 @@ def test_changes_are_computed(folder: Path) -> None:
     lower = next(each for each in changes if str(each.change) == "high 10 cm lower")
     assert (lower.reached_by_all, lower.of_places) == (1, 1)
     assert found.summaries[0].missed_by == ("woman",)
+    for saving, said in (
+        (0.27, "1 allowed, 27% less fatigue"),
+        (-0.04, "1 allowed, 4% more fatigue"),
+        (-0.004, "1 allowed, as much fatigue"),
+        (None, "1 allowed"),
+    ):
+        (phrase,) = of_changes([replace(lower, allowed=1, saving_everywhere=saving)], found.best)
+        assert str(phrase).endswith(said)

@@ -153,8 +153,8 @@ def _share_words(wording: Wording, found: StoredShare | None) -> str:
     if found is None:
         return "–"
     if found.strong_share is None:
-        return wording.say("{reach:.0%} reach it", reach=found.share)
-    text = "{reach:.0%} reach it, {strong:.0%} are strong enough"
+        return wording.say("reached by {reach:.0%}", reach=found.share)
+    text = "reached by {reach:.0%}, strong enough: {strong:.0%}"
     return wording.say(text, reach=found.share, strong=found.strong_share)
 
 

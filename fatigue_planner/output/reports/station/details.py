@@ -73,7 +73,11 @@ def _station(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
             key: value for key, value in each.plain().items() if value is not None and key in each.model_fields_set
         }
         own = ("places", "seconds", "hand", "tool", "grip_width_m", "times_per_cycle")
-        inputs = ", ".join(f"`{key}: {value}`" for key, value in stated.items() if key not in own)
+        inputs = ", ".join(
+            f"`{key}: {str(value).lower() if isinstance(value, bool) else value}`"
+            for key, value in stated.items()
+            if key not in own
+        )
         rows.append([
             wording.name(name),
             wording.names(each.places),

@@ -142,10 +142,8 @@ def changed(change: Change, wording: Wording) -> str:
     """What one change would do."""
     what = wording.sentence(change.change)[:-1]
     values = {"reached": change.reached_by_all, "allowed": change.allowed, "of_places": change.of_places}
-    saving = change.saving_everywhere
-    if saving is None:
-        return wording.say(statements.CHANGED, change=what, **values)
-    return wording.say(statements.CHANGED_BY, change=what, saving=saving, **values)
+    template, fatigue = statements.changed_fatigue(change)
+    return wording.say(template, change=what, **values, **fatigue)
 
 
 def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[str]:

@@ -17,9 +17,10 @@ def robot_blocks(assessment: StationAssessment, robot: RobotFinding, wording: Wo
     base = settings.base_m
     yield Text(
         say(
-            "{arm}, its base {x:g} m ahead, {y:g} m to the left and {z:g} m high, holds {mass:g} kg {distance:g} m "
+            "{arm}, its base {x:g} m ahead, {y:g} m to the {side} and {z:g} m high, holds {mass:g} kg {distance:g} m "
             "before its flange.",
-            arm=robot.arm, x=base.x, y=base.y, z=base.z, mass=settings.hold.mass_kg, distance=settings.hold.distance_m,
+            arm=robot.arm, x=base.x, y=abs(base.y), side=wording.catalogue.term(base.side), z=base.z,
+            mass=settings.hold.mass_kg, distance=settings.hold.distance_m,
         )
     )  # fmt: skip
     if robot.payload_kg is None:
