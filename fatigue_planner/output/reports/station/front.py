@@ -6,6 +6,7 @@ from fatigue_planner.ergonomics.result import Level, Phrase, ShownSeconds
 from fatigue_planner.output.reports.page import Points, Table, Text
 from fatigue_planner.output.reports.station.blocks import AnyBlock, Group, Groups, Part, PostureRow
 from fatigue_planner.output.reports.station.pictures import Posture, figure_of
+from fatigue_planner.output.reports.station.sheet import SHEET_PX, printed_px
 from fatigue_planner.output.reports.station.wording import Wording
 from fatigue_planner.station import statements
 from fatigue_planner.station.assessment import Change, Doing, Judged, PlaceSummary, StationAssessment
@@ -15,8 +16,9 @@ CANNOT = (
 )  # fmt: skip
 FORBIDDEN = (statements.NOT_ACCEPTABLE, statements.NOT_ACCEPTABLE_AT_ALL)
 TIRED = (statements.WORST_JOINT, statements.NO_JOINT, statements.SHORTFALL)
-# So many sentences of a kind fit on the first side; the details have all.
-MOST, MOST_CHANGES, MOST_PLACES, MOST_RULES = 6, 3, 6, 2
+MOST_CHANGES, MOST_PLACES, MOST_RULES = 3, 6, 2
+# So many sentences of a kind, and places, at most: the first that fit on the first side. The details have all.
+FITTING = ((6, MOST_PLACES), (5, MOST_PLACES), (4, MOST_PLACES), (4, 4), (3, 4), (3, 3), (2, 3), (2, 2))
 
 
 def shown(assessment: StationAssessment) -> list[tuple[str, Doing]]:
@@ -79,7 +81,7 @@ def verdict(assessment: StationAssessment, wording: Wording) -> tuple[str, str]:
 
 
 def front(assessment: StationAssessment, postures: Mapping[Doing, Posture], wording: Wording) -> list[Part]:
-    """The parts of the first side."""
+    """The parts of the first side, with as many sentences and places as one sheet of paper has room for."""
     figures = [
         figure_of(postures[doing], wording, _shown_as(doing.operation, what, wording))
         for what, doing in shown(assessment)
@@ -87,19 +89,25 @@ def front(assessment: StationAssessment, postures: Mapping[Doing, Posture], word
     pictures: AnyBlock = (
         PostureRow(figures) if figures else Text(wording.say("Nothing is shown: nobody reaches any place."))
     )
-    return [
-        Part(wording.say("In short"), [Groups(_groups(assessment, wording))]),
-        Part(wording.say("Places"), [places(assessment, wording, brief=True)]),
-        Part(wording.say("Postures"), [pictures]),
-        Part(wording.say("What this rests on"), [Points(list(_rests_on(assessment, wording)))]),
-    ]
+    rest = Points(list(_rests_on(assessment, wording)))
+    parts: list[Part] = []
+    for most, most_places in FITTING:
+        parts = [
+            Part(wording.say("In short"), [Groups(_groups(assessment, wording, most))]),
+            Part(wording.say("Places"), [places(assessment, wording, most_places)]),
+            Part(wording.say("Postures"), [pictures]),
+            Part(wording.say("What this rests on"), [rest]),
+        ]
+        if printed_px(" ".join(verdict(assessment, wording)), parts) < SHEET_PX:
+            break
+    return parts
 
 
 def _shown_as(operation: str, what: str, wording: Wording) -> str:
     return f"{wording.name(operation)}, {wording.say(what)}" if what else wording.name(operation)
 
 
-def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
+def _groups(assessment: StationAssessment, wording: Wording, most: int) -> list[Group]:
     headline = assessment.headline
     cannot = [wording.sentence(each) for each in headline if each.template in CANNOT]
     forbidden = [wording.sentence(each) for each in headline if each.template in FORBIDDEN]
@@ -116,12 +124,12 @@ def _groups(assessment: StationAssessment, wording: Wording) -> list[Group]:
     ]
     if robot := list(map(wording.sentence, statements.of_robot(assessment.station, assessment.robot))):
         groups.append((wording.say("Robot"), robot))
-    return [Group(title, _at_most(items, wording)) for title, items in groups]
+    return [Group(title, _at_most(items, most, wording)) for title, items in groups]
 
 
-def _at_most(items: list[str], wording: Wording) -> list[str]:
-    more = len(items) - MOST
-    return items if more <= 0 else [*items[:MOST], wording.say("{more} more: see the details.", more=more)]
+def _at_most(items: list[str], most: int, wording: Wording) -> list[str]:
+    more = len(items) - most
+    return items if more <= 0 else [*items[:most], wording.say("{more} more: see the details.", more=more)]
 
 
 def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[str]:
@@ -167,12 +175,13 @@ def _worst_score(assessment: StationAssessment, wording: Wording) -> Iterator[st
     yield wording.say("Edition: {edition} ({origin}).", edition=edition, origin=origin)
 
 
-def places(assessment: StationAssessment, wording: Wording, brief: bool = False) -> Table:
-    """All places; in brief, as many as the first side has room for: the recommended first, then the worst."""
+def places(assessment: StationAssessment, wording: Wording, most: int | None = None) -> Table:
+    """All places; or in brief so many at most: the recommended first, then the worst."""
     header = ["Operation", "Place", "Result", "Cannot", "Decided by", "Highest fatigue"]
     best, chosen = assessment.best.places, assessment.summaries
+    brief = most is not None
     if brief:
-        chosen = tuple(sorted(chosen, key=lambda each: _place_order(each, best))[:MOST_PLACES])
+        chosen = tuple(sorted(chosen, key=lambda each: _place_order(each, best))[:most])
     else:
         header.append("Only warned by")
     rows = [_place(assessment, each, wording, brief) for each in assessment.summaries if each in chosen]
