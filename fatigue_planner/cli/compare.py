@@ -69,7 +69,8 @@ def _folders(first: Path, second: Path, save: Path | None) -> Compared:
 def _stations(first: Path, second: Path, save: Path | None, language: str) -> Compared:
     from fatigue_planner.core.files import publish_text, writable_folder
     from fatigue_planner.output.reports.station.catalogue import catalogue_of
-    from fatigue_planner.output.reports.station.compare import compare_stations, comparison_page, comparison_text
+    from fatigue_planner.output.reports.station.compare import compare_stations
+    from fatigue_planner.output.reports.station.compare_page import comparison_page, comparison_text
     from fatigue_planner.output.reports.station.stored import read_assessment
 
     found = compare_stations(read_assessment(first), read_assessment(second), catalogue_of(language))

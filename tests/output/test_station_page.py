@@ -31,7 +31,8 @@ from fatigue_planner.human.skeleton import BODIES
 from fatigue_planner.motion.plausibility import BARS, Finding
 from fatigue_planner.output.reports.station import catalogue as texts
 from fatigue_planner.output.reports.station.catalogue import Catalogue, catalogue_of, languages
-from fatigue_planner.output.reports.station.compare import BETTER, SAME, WORSE, compare_stations, comparison_page
+from fatigue_planner.output.reports.station.compare import BETTER, SAME, WORSE, compare_stations
+from fatigue_planner.output.reports.station.compare_page import comparison_page
 from fatigue_planner.output.reports.station.front import planning
 from fatigue_planner.output.reports.station.maps import maps
 from fatigue_planner.output.reports.station.page import pictured, station_page
