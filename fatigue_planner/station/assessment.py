@@ -212,7 +212,7 @@ class Change:
     saving       what of the cost of fatigue before it saves at the recommended places, as a share; None without a
         recommendation before or after
     saving_everywhere  the same of the mean cost of all places that somebody reaches before and after
-    reached_by_all, allowed, of_places  how many places of operations all workers reach, how many are allowed, of all
+    reached_by_all, allowed, of_places  how many places of operations all workers can use, how many are allowed, of all
     """
 
     change: Phrase

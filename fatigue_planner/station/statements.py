@@ -37,9 +37,9 @@ BEST_BY = (
 )
 BEST_ONLY = "A joint loses at most {peak:.0%} of its strength there; no other place is allowed"
 WARNED = "{operation} at {place}: not acceptable by {rules}, which only warns (binding)"
-NONE_ALLOWED = "No place is recommended for {operation}: none is reached by all and acceptable"
+NONE_ALLOWED = "No place is recommended for {operation}: none is possible for all and acceptable"
 NONE_PRESENTED = (
-    "No place is recommended for {operation}: none is reached by all, acceptable, and presented by the robot"
+    "No place is recommended for {operation}: none is possible for all, acceptable, and presented by the robot"
 )
 COMPARED = "{operation} at {place}: a joint loses at most {peak:.0%} of its strength"
 WORST_JOINT = "The most tired joint is {joint} of {worker}: it loses {peak:.0%} of its strength"
@@ -79,10 +79,10 @@ NOT_FOR_SAFETY = (
 ASSUMED_SHIFT = "Length and breaks of the shift are not known"
 
 # What single changes do, and another place in every cycle.
-CHANGED = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed"
-CHANGED_BY = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {saving:.0%} less fatigue"
-CHANGED_MORE = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, {more:.0%} more fatigue"
-CHANGED_NOTHING = "{change}: {reached} of {of_places} places reached by all, {allowed} allowed, as much fatigue"
+CHANGED = "{change}: {reached} of {of_places} places possible for all, {allowed} allowed"
+CHANGED_BY = "{change}: {reached} of {of_places} places possible for all, {allowed} allowed, {saving:.0%} less fatigue"
+CHANGED_MORE = "{change}: {reached} of {of_places} places possible for all, {allowed} allowed, {more:.0%} more fatigue"
+CHANGED_NOTHING = "{change}: {reached} of {of_places} places possible for all, {allowed} allowed, as much fatigue"
 UNTRIED = "What one change would do is not computed (--changes)"
 ROTATION = "Another place in every cycle, {sequence}, saves {saving:.0%} of the cost of fatigue"
 NO_ROTATION = "Another place in every cycle saves nothing"

@@ -288,7 +288,7 @@ def test_the_first_side_says_what_counts(pages: dict[str, tuple[str, Catalogue]]
         "Woman P5 cannot reach overhead: the hand stays 12 cm away.", "is too weak for floor", "Best for fit: door.",
         "The most tired joint is right shoulder flexion of woman P5: it loses 31 % of its strength.",
         "investigate", "is not stated: RULA",
-        "Gun 1 kg lighter: 1 of 3 places reached by all, 1 allowed, 40 % less fatigue.",
+        "Gun 1 kg lighter: 1 of 3 places possible for all, 1 allowed, 40 % less fatigue.",
         "right upper arm raised) for 25 of 42 s",
     ):  # fmt: skip
         assert said in first, said

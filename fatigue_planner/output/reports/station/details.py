@@ -196,7 +196,7 @@ def _changes(assessment: StationAssessment, wording: Wording) -> Iterator[AnyBlo
             for each in assessment.changes
         ]
         header = ["Change", "Recommended after it", "Fatigue saved", "Saved over all places",
-                  "Highest fatigue after it", "Places reached by all", "Places allowed"]  # fmt: skip
+                  "Highest fatigue after it", "Places possible for all", "Places allowed"]  # fmt: skip
         yield table(wording, "What one change alone would do, each computed.", header, rows)
     yield from (Text(wording.sentence(each)) for each in front.planning(assessment))
 
