@@ -1,8 +1,8 @@
 """Two assessments of a station side by side: what got better and what got worse, in the words of its page."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from fatigue_planner.ergonomics.result import Level, ShownSeconds
 from fatigue_planner.output.reports.results.compare import differences, flat
@@ -24,6 +24,8 @@ SAME_PEAK = 0.005
 BETTER, SAME, WORSE, ONLY = "better", "the same", "worse", "in one of them only"
 # The words for before and for after: who is called the same may be another worker.
 Both = tuple[Wording, Wording]
+Key = TypeVar("Key")
+Found = TypeVar("Found")
 # Beyond any level: a place that nobody reaches, or a cycle that a worker cannot do.
 _NOBODY = max(Level) + 1
 
@@ -67,13 +69,13 @@ def compare_stations(before: StoredAssessment, after: StoredAssessment, texts: C
     names = list(dict.fromkeys(each.name for each in (*before.workers, *after.workers)))
     both = (Wording(texts, before.workers), Wording(texts, after.workers))
     labels = {name: _label(name, before, after, *both) for name in names}
-    old, new = ({(each.operation, each.place): each for each in found.summaries} for found in (before, after))
+    places = _pairs(before.summaries, after.summaries, lambda each: (each.operation, each.place))
     was, now = ({each.worker: each for each in found.cycles} for found in (before, after))
     return StationComparison(
         before,
         after,
         both[1],
-        tuple(_place_row(both, key, old.get(key), new.get(key)) for key in dict.fromkeys([*old, *new])),
+        tuple(_place_row(both, *pair) for pair in places),
         tuple(_cannot_rows(both, labels, before, after)),
         tuple(_share_rows(both, before, after)),
         tuple(_cycle_row(both, labels[name], was.get(name), now.get(name)) for name in names),
@@ -97,40 +99,53 @@ def _settings_of(found: StoredAssessment, labels: Mapping[str, str]) -> dict[str
     return settings | {"workers": {labels[name]: each for name, each in settings.get("workers", {}).items()}}
 
 
+def _pairs(
+    before: Sequence[Found], after: Sequence[Found], key: Callable[[Found], Key]
+) -> Iterator[tuple[Key, Found | None, Found | None]]:
+    """What is called the same, before and after; None where it is not there."""
+    old, new = ({key(each): each for each in found} for found in (before, after))
+    for name in dict.fromkeys([*old, *new]):
+        yield name, old.get(name), new.get(name)
+
+
+def _words(
+    both: Both, said: Callable[[Wording, Found | None], str], before: Found | None, after: Found | None
+) -> list[str]:
+    """Something before and after, each in its own words."""
+    return [said(wording, each) for wording, each in zip(both, (before, after), strict=True)]
+
+
 def _place_row(both: Both, key: tuple[str, str], before: StoredPlace | None, after: StoredPlace | None) -> Row:
-    words = [
-        "–" if each is None else _place_words(mine, each) for mine, each in zip(both, (before, after), strict=True)
-    ]
+    words = _words(both, _place_words, before, after)
     return Row(tuple(map(both[1].name, key)), words[0], words[1], _place_verdict(before, after))
 
 
 def _cannot_rows(
     both: Both, labels: Mapping[str, str], before: StoredAssessment, after: StoredAssessment
 ) -> Iterator[Row]:
-    old, new = ({(each.worker, each.operation, each.place): each for each in found.places} for found in (before, after))
-    for key in dict.fromkeys([*old, *new]):
-        was, now = old.get(key), new.get(key)
+    pairs = _pairs(before.places, after.places, lambda each: (each.worker, each.operation, each.place))
+    for key, was, now in pairs:
         if any(each is not None and each.way is None for each in (was, now)):
-            words = [_worker_words(mine, each) for mine, each in zip(both, (was, now), strict=True)]
+            words = _words(both, _worker_words, was, now)
             what = (labels[key[0]], *map(both[1].name, key[1:]))
             yield Row(what, words[0], words[1], _worker_verdict(was, now, words))
 
 
 def _share_rows(both: Both, before: StoredAssessment, after: StoredAssessment) -> Iterator[Row]:
-    old, new = ({(each.operation, each.place, each.sex): each for each in found.shares} for found in (before, after))
-    for key in dict.fromkeys([*old, *new]):
-        was, now = old.get(key), new.get(key)
-        words = [_share_words(mine, each) for mine, each in zip(both, (was, now), strict=True)]
+    for key, was, now in _pairs(before.shares, after.shares, lambda each: (each.operation, each.place, each.sex)):
+        words = _words(both, _share_words, was, now)
         what = (*map(both[1].name, key[:2]), both[1].catalogue.term(key[2]))
         yield Row(what, words[0], words[1], _share_verdict(was, now, words))
 
 
 def _cycle_row(both: Both, label: str, before: StoredCycle | None, after: StoredCycle | None) -> Row:
-    words = [_cycle_words(mine, each) for mine, each in zip(both, (before, after), strict=True)]
+    words = _words(both, _cycle_words, before, after)
     return Row((label,), words[0], words[1], _cycle_verdict(before, after))
 
 
-def _place_words(wording: Wording, found: StoredPlace) -> str:
+def _place_words(wording: Wording, found: StoredPlace | None) -> str:
+    if found is None:
+        return "–"
     parts = []
     if found.seconds:
         parts.append(wording.say("{seconds:.0f} s above the rule", seconds=ShownSeconds(found.seconds)))
