@@ -9,6 +9,9 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14 p
 
 EXPERIMENT ?= experiments/paper.yaml
 
+# Bytecode is kept, whatever the environment says: else every program that a test starts compiles all modules anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: help install paper-figures lint test test-all docs bench clean
 .DEFAULT_GOAL := help
 

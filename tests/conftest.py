@@ -26,6 +26,8 @@ from fatigue_planner.reactions.reaction import Reaction
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "experiments" / "paper.yaml"
+# Variable of the environment with a folder in which a program that runs tests again and again keeps reactions.
+KEPT_REACTIONS = "FATPLAN_KEPT_REACTIONS"
 
 # The same examples in every run, on a machine of any speed, and nothing remembered from one run to the next.
 settings.register_profile("fatplan", derandomize=True, deadline=None, database=None, suppress_health_check=HealthCheck)
@@ -39,9 +41,13 @@ def paper() -> Experiment:
 
 @pytest.fixture(scope="session")
 def cache_folder(paper: Experiment, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache with the paper's reactions, made by the real simulation."""
-    folder = tmp_path_factory.mktemp("cache")
-    outcomes = ReactionCache(folder).complete(reaction_requests(paper), LocalProcesses(2), lambda _: None)
+    """A cache with the paper's reactions, made by the real simulation, or kept of these very requests and sources."""
+    requests = reaction_requests(paper)
+    if kept := os.environ.get(KEPT_REACTIONS):
+        folder = Path(kept) / files.digest_of([request.digest for request in requests])
+    else:
+        folder = tmp_path_factory.mktemp("cache")
+    outcomes = ReactionCache(folder).complete(requests, LocalProcesses(2), lambda _: None)
     assert [outcome.failure for outcome in outcomes] == [""] * 4
     return folder
 

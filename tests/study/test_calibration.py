@@ -9,15 +9,16 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 import pytest
-from contrast_tables import trial_table
 from scipy.stats import binom
 
-from fatigue_planner.experiment.statistics_settings import StatisticsSettings
+from fatigue_planner.experiment.statistics_settings import Family, StatisticsSettings
 from fatigue_planner.study.statistics.contrasts import contrasts
 from fatigue_planner.study.statistics.inference import detectable_noncentrality
 
 LEVEL, TRIALS = 0.05, 100
 SETTINGS = StatisticsSettings(significance_level=LEVEL, resamples=999)
+# Where nothing that is resampled is looked at.
+QUICK = SETTINGS.model_copy(update={"resamples": 99})
 Samples = dict[str, np.ndarray]
 
 
@@ -38,11 +39,19 @@ def unpaired(rng: np.random.Generator) -> Samples:
     return {"a": rng.normal(size=TRIALS) - 20, "b": rng.normal(size=TRIALS) * 1.5 - 20}
 
 
-def contrasts_by_chance(make: Callable[[np.random.Generator], Samples], tables: int) -> pd.DataFrame:
-    """One table of trials after another, each through the pipeline with a seed of its own."""
-    rng = np.random.default_rng(2023)
-    rows = [contrasts(trial_table(make(rng)), SETTINGS, seed) for seed in range(tables)]
-    return pd.concat(rows, ignore_index=True)
+def contrasts_by_chance(
+    make: Callable[[np.random.Generator], Samples], tables: int, seed: int = 2023, settings: StatisticsSettings = SETTINGS
+) -> pd.DataFrame:
+    """Many tables of trials through the pipeline at once: each is a condition, with draws and a family of its own."""
+    rng = np.random.default_rng(seed)
+    samples = [make(rng) for _ in range(tables)]
+    policies, trials = list(samples[0]), np.arange(len(samples[0]["a"]))
+    conditions = [str(number) for number in range(tables)]
+    index = pd.MultiIndex.from_product([conditions, policies, trials], names=["condition", "policy", "trial"])
+    returns = np.array([[sample[policy] for policy in policies] for sample in samples])
+    runs = pd.DataFrame({"n_cycles": 5, "deterministic": False, "discounted_return": returns.ravel()}, index=index)
+    families = {name: Family(conditions=[name]) for name in conditions}
+    return contrasts(runs.reset_index(), settings.model_copy(update={"families": families}), seed=1)
 
 
 def at_the_rate(hits: pd.Series, rate: float, false_alarm: float = 0.001) -> bool:
@@ -87,7 +96,7 @@ def test_equivalence_is_claimed_at_most_as_often_as_stated(tables: int) -> None:
         samples = normal(rng)
         return {"a": samples["a"] - 80, "b": samples["b"] - 80 - 1 / 0.995}  # 1 % of the mean of 100 and 101.005
 
-    found = contrasts_by_chance(at_the_margin, tables)
+    found = contrasts_by_chance(at_the_margin, tables, settings=QUICK)
     assert at_the_rate(found["equivalence_p"] < LEVEL, LEVEL), (found["equivalence_p"] < LEVEL).mean()
 
 
@@ -100,7 +109,7 @@ def test_the_detectable_difference_is_found_in_four_of_five_tables(tables: int) 
         samples = normal(rng)
         return {"a": samples["a"] + true, "b": samples["b"]}
 
-    found = contrasts_by_chance(apart, tables)
+    found = contrasts_by_chance(apart, tables, settings=QUICK)
     assert at_the_rate(found["paired_p"] < LEVEL, 0.8), (found["paired_p"] < LEVEL).mean()
     # the spread of 100 differences is known to 7 %, its mean over the tables to 7 % / sqrt(tables)
     assert found["detectable_difference"].mean() == pytest.approx(true, rel=0.02)
@@ -111,14 +120,14 @@ def test_the_error_of_a_family_stays_below_the_level(tables: int) -> None:
     """Six comparisons each: Holm rejects any in at most 6.6 % of 2,000 families (false alarm 1 in 1,400); without it,
     in more than 12 %.
     """
-    rng = np.random.default_rng(6)
-    settings = SETTINGS.model_copy(update={"resamples": 99})
-    corrected, raw = 0, 0
-    for seed in range(tables):
+
+    def equal(rng: np.random.Generator) -> Samples:
         world = rng.normal(size=30) - 20
-        table = contrasts(trial_table({name: world + rng.normal(size=30) for name in "abcd"}), settings, seed)
-        assert len(table) == 6
-        corrected += bool((table["holm_p"] < LEVEL).any())
-        raw += bool((table["paired_p"] < LEVEL).any())
+        return {name: world + rng.normal(size=30) for name in "abcd"}
+
+    found = contrasts_by_chance(equal, tables, seed=6, settings=QUICK)
+    families = found.groupby("family")
+    assert set(families.size()) == {6}
+    corrected, raw = ((families[p].min() < LEVEL).sum() for p in ("holm_p", "paired_p"))
     assert corrected <= (0.066 * tables if tables == 2000 else binom.ppf(0.9995, tables, LEVEL))
     assert raw > 0.12 * tables

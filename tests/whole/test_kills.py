@@ -18,8 +18,8 @@ from stored_files import assert_whole, visible
 from fatigue_planner.core.files import LEFT_BEHIND_AFTER_S, left_behind, remove_left_behind
 
 FATPLAN = [sys.executable, "-c", "from fatigue_planner.cli.entry import run; run()"]
-# How often each command is killed, at most so often in a row before it may end.
-KILLS, IN_A_ROW = 102, 6
+# How often each command is killed, in as many tests, at most so often in a row before it may end.
+KILLS, TESTS, IN_A_ROW = 102, 6, 6
 
 
 class Command:
@@ -85,16 +85,17 @@ def commands(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Command]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["simulate", "benchmark"])
+@pytest.mark.parametrize("part", range(TESTS))
 def test_a_run_killed_at_any_moment_goes_on_to_the_same_bytes(
-    name: str, commands: dict[str, Command], tmp_path: Path
+    name: str, part: int, commands: dict[str, Command], tmp_path: Path
 ) -> None:
     """Killed several times in a row, then left alone; what a kill leaves is whole and is kept by the next run."""
     command = commands[name]
-    moment = random.Random(1000 * KILLS + len(name))
-    done = 0
-    while done < KILLS:
+    moment = random.Random(1000 * (KILLS + part) + len(name))
+    done, kills = 0, KILLS // TESTS
+    while done < kills:
         folder = tmp_path / str(done)
-        for _ in range(min(IN_A_ROW, KILLS - done)):
+        for _ in range(min(IN_A_ROW, kills - done)):
             before = visible(folder)
             if not command.kill(folder, moment.random()):
                 break

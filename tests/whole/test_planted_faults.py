@@ -11,12 +11,14 @@ import subprocess
 import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from conftest import ROOT
+from conftest import KEPT_REACTIONS, ROOT
 from planted_faults import FAULTS, Fault
+from test_layers import PACKAGE, dotted, imports
 
 from fatigue_planner.core.jit import PRIVATE_FOLDER
 
@@ -49,20 +51,59 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     shutil.rmtree(folder)
 
 
-def run_tests(folder: Path, tests: list[str], keeps_kernels: bool) -> list[Ran]:
-    """Run some of the copy's tests until one fails, with the copy's package and compiled code of its own.
+def importing(file: str) -> set[str]:
+    """The files of the package, `file` among them, in whose code a change of `file` can be seen."""
+    changed = {dotted(PACKAGE / file)}
+    while more := {name for name, below in imports().items() if below & changed} - changed:
+        changed |= more
+    return {str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.py") if dotted(path) in changed}
 
-    keeps_kernels: what runs before have compiled is used. Only what follows from sources without a change may be: what
-    is stale could hide a fault, but then no test fails, which is told.
+
+@contextmanager
+def kernels_without(folder: Path, file: str) -> Iterator[Path]:
+    """A folder with the code that the copy's tests have compiled, less what a change of `file` may have changed.
+
+    What is compiled there of other files is kept. Were anything stale left, it could hide a fault; but then no test
+    fails, which is told.
     """
-    kernels = {PRIVATE_FOLDER: str(folder / "kernels")} if keeps_kernels else {}
+    kept, used = folder / "kernels", folder / "changed"
+    kept.mkdir(exist_ok=True)
+    stale = {(Path(name).parent.name, Path(name).stem) for name in importing(file)}
+
+    def files(within: Path, are_stale: bool) -> list[Path]:
+        """What is compiled of a function lies in "folder_hash/file.function-line.*" of where that is written."""
+        return [
+            path
+            for path in within.rglob("*.nb?")
+            if ((path.parent.name.rpartition("_")[0], path.name.partition(".")[0]) in stale) == are_stale
+        ]
+
+    try:
+        shutil.copytree(kept, used, copy_function=os.link)  # numba replaces files, it does not write into them
+        for path in files(used, are_stale=True):
+            path.unlink()
+        yield used
+        for path in files(used, are_stale=False):
+            target = kept / path.relative_to(used)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            path.replace(target)
+    finally:
+        shutil.rmtree(used)
+
+
+def run_tests(folder: Path, tests: list[str], kernels: Path) -> list[Ran]:
+    """Run some of the copy's tests until one fails, with the copy's package and the code compiled in `kernels`.
+
+    The paper's reactions are those that an earlier run has made of the same sources.
+    """
+    kept = {PRIVATE_FOLDER: str(kernels), KEPT_REACTIONS: str(folder / "reactions")}
     outside = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
     report = folder / "report.xml"
     options = ["-n", "0", "-x", "-p", "no:cacheprovider", "--basetemp", folder / "temporary", "--junitxml", report]
     done = subprocess.run(
         [sys.executable, "-m", "pytest", *options, *(f"tests/{test}" for test in tests)],
         cwd=folder,
-        env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")} | kernels,
+        env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")} | kept,
         capture_output=True,
         text=True,
         timeout=MAX_SECONDS,
@@ -93,7 +134,7 @@ def test_every_fault_can_still_be_planted() -> None:
 
 @pytest.mark.slow
 def test_without_a_fault_the_tests_pass(copy: Path) -> None:
-    ran = run_tests(copy, sorted({test for fault in FAULTS for test in fault.tests}), keeps_kernels=False)
+    ran = run_tests(copy, sorted({test for fault in FAULTS for test in fault.tests}), copy / "kernels")
     assert not [test for test in ran if test.failure]
     assert {test.name.partition("[")[0] for test in ran} == {
         test.partition("[")[0].split("::")[1] for fault in FAULTS for test in fault.tests
@@ -104,14 +145,14 @@ def test_without_a_fault_the_tests_pass(copy: Path) -> None:
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name.replace(" ", "_"))
 def test_a_planted_fault_is_seen(copy: Path, fault: Fault, record_property: Callable[[str, object], None]) -> None:
     path = copy / "fatigue_planner" / fault.file
-    text, written = path.read_text(encoding="utf-8"), path.stat()
+    text = path.read_text(encoding="utf-8")
     assert text.count(fault.old) == 1
     path.write_text(text.replace(fault.old, fault.new), encoding="utf-8")
     try:
-        ran = run_tests(copy, list(fault.tests), "core.jit" not in text and fault.file != "core/jit.py")
+        with kernels_without(copy, fault.file) as kernels:
+            ran = run_tests(copy, list(fault.tests), kernels)
     finally:
         path.write_text(text, encoding="utf-8")
-        os.utime(path, ns=(written.st_atime_ns, written.st_mtime_ns))  # else its kernels would be compiled anew
     failures = [test for test in ran if test.failure]
     assert failures, f"{fault.name}: no test fails"
     assert all(FOUND.match(test.failure) for test in failures), failures
