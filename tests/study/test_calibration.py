@@ -40,7 +40,10 @@ def unpaired(rng: np.random.Generator) -> Samples:
 
 
 def contrasts_by_chance(
-    make: Callable[[np.random.Generator], Samples], tables: int, seed: int = 2023, settings: StatisticsSettings = SETTINGS
+    make: Callable[[np.random.Generator], Samples],
+    tables: int,
+    seed: int = 2023,
+    settings: StatisticsSettings = SETTINGS,
 ) -> pd.DataFrame:
     """Many tables of trials through the pipeline at once: each is a condition, with draws and a family of its own."""
     rng = np.random.default_rng(seed)

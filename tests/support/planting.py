@@ -5,12 +5,16 @@ Cheaper than a copy of the project (see `planted_faults`): nothing is compiled a
 """
 
 import inspect
+import os
+import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
+
+import pytest
 
 Test = TypeVar("Test", bound=Callable[..., Any])
 
@@ -76,3 +80,16 @@ def fails_with(where: str, old: str, new: str) -> Callable[[Test], Test]:
         return test
 
     return marked
+
+
+def run_pytest(arguments: list[str], folder: Path, instead_of: Path, environment: dict[str, str], said: Path) -> None:
+    """As a process of its own: run pytest in a copy of the project with the copy's modules; `said`: what it prints."""
+    with said.open("wb") as file:
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)
+    os.environ.clear()
+    os.environ.update(environment)
+    os.chdir(folder)
+    own = [path for path in sys.path if "site-packages" in path or not Path(path).is_relative_to(instead_of)]
+    sys.path[:] = [str(folder), *own]
+    sys.exit(pytest.main(arguments))

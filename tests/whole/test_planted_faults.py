@@ -7,17 +7,17 @@ the file says which test has seen each.
 import os
 import re
 import shutil
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from conftest import KEPT_REACTIONS, ROOT
 from planted_faults import FAULTS, Fault
+from planting import run_pytest
 from test_layers import PACKAGE, dotted, imports
 
 from fatigue_planner.core.jit import PRIVATE_FOLDER
@@ -26,6 +26,8 @@ PARTS = (
     "fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md", "LICENSE",
 )  # fmt: skip
 MAX_SECONDS = 600
+# Processes that run tests begin as copies of one that has imported these: nothing of the project.
+LIBRARIES = ["pytest", "numba", "pandas", "scipy.stats", "scipy.optimize", "pinocchio", "casadi", "h5py", "typer"]
 # How a message begins where a test found another result than it expects; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
 
@@ -98,18 +100,18 @@ def run_tests(folder: Path, tests: list[str], kernels: Path) -> list[Ran]:
     """
     kept = {PRIVATE_FOLDER: str(kernels), KEPT_REACTIONS: str(folder / "reactions")}
     outside = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")}
-    report = folder / "report.xml"
-    options = ["-n", "0", "-x", "-p", "no:cacheprovider", "--basetemp", folder / "temporary", "--junitxml", report]
-    done = subprocess.run(
-        [sys.executable, "-m", "pytest", *options, *(f"tests/{test}" for test in tests)],
-        cwd=folder,
-        env=outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")} | kept,
-        capture_output=True,
-        text=True,
-        timeout=MAX_SECONDS,
-        check=False,
+    environment = outside | {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")} | kept
+    report, said = folder / "report.xml", folder / "said.txt"
+    options = ["-n", "0", "-x", "-p", "no:cacheprovider", f"--basetemp={folder / 'temporary'}", f"--junitxml={report}"]
+    context = get_context("forkserver")
+    context.set_forkserver_preload(LIBRARIES)
+    process = context.Process(
+        target=run_pytest, args=([*options, *(f"tests/{test}" for test in tests)], folder, ROOT, environment, said)
     )
-    assert done.returncode in {0, 1}, done.stdout + done.stderr
+    process.start()
+    process.join(MAX_SECONDS)
+    process.kill()  # in vain if it has ended
+    assert process.exitcode in {0, 1}, said.read_text(encoding="utf-8")
     ran = []
     for case in ET.parse(report).iter("testcase"):
         assert case.find("skipped") is None, case.get("name")
