@@ -3,6 +3,7 @@
 import hashlib
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -98,6 +99,9 @@ def run(way: tuple[str, int, int, str, int], kind: str, small: Path, folder: Pat
                 process.wait()
             else:
                 assert process.wait() == 0, (folder / f"log-{attempt}").read_text()
+    said = (folder / f"log-{kills}").read_text().splitlines()[-1]
+    done = re.fullmatch(rf"{re.escape(kind)} did (\d+) pieces of work in the order of seed {order}", said)
+    assert done is not None and int(done[1]) > (0 if kills else 200), said
 
 
 def test_there_are_ways_enough() -> None:
