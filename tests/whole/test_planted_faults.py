@@ -54,11 +54,11 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 
 def importing(file: str) -> set[str]:
-    """The files of the package, `file` among them, in whose code a change of `file` can be seen."""
+    """The modules of the package, that of `file` among them, in whose code a change of `file` can be seen."""
     changed = {dotted(PACKAGE / file)}
     while more := {name for name, below in imports().items() if below & changed} - changed:
         changed |= more
-    return {str(path.relative_to(PACKAGE)) for path in PACKAGE.rglob("*.py") if dotted(path) in changed}
+    return changed
 
 
 @contextmanager
@@ -70,25 +70,20 @@ def kernels_without(folder: Path, file: str) -> Iterator[Path]:
     """
     kept, used = folder / "kernels", folder / "changed"
     kept.mkdir(exist_ok=True)
-    stale = {(Path(name).parent.name, Path(name).stem) for name in importing(file)}
+    stale = {tuple(name.split(".")[-2:]) for name in importing(file)}
 
-    def files(within: Path, are_stale: bool) -> list[Path]:
+    def drop_stale() -> None:
         """What is compiled of a function lies in "folder_hash/file.function-line.*" of where that is written."""
-        return [
-            path
-            for path in within.rglob("*.nb?")
-            if ((path.parent.name.rpartition("_")[0], path.name.partition(".")[0]) in stale) == are_stale
-        ]
+        for path in used.rglob("*.nb?"):
+            if (path.parent.name.rpartition("_")[0], path.name.partition(".")[0]) in stale:
+                path.unlink()
 
     try:
         shutil.copytree(kept, used, copy_function=os.link)  # numba replaces files, it does not write into them
-        for path in files(used, are_stale=True):
-            path.unlink()
+        drop_stale()
         yield used
-        for path in files(used, are_stale=False):
-            target = kept / path.relative_to(used)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            path.replace(target)
+        drop_stale()
+        shutil.copytree(used, kept, dirs_exist_ok=True, copy_function=os.replace)
     finally:
         shutil.rmtree(used)
 
