@@ -25,11 +25,11 @@ def replay(standing: Standing, events: list[Stored], clock: Clock, path: Path) -
         at_s = time_of(stored, origin, clock)
         if isinstance(event, Input):
             standing.go_on(event, at_s)
-            continue
-        standing.account(event, at_s)
-        if isinstance(event, Decided):
+        elif isinstance(event, Decided):
             standing.decide(event)
-        elif isinstance(event, Executed):
+        else:
+            standing.account(event, at_s)
+        if isinstance(event, Executed):
             standing.hear(event)
         elif isinstance(event, Configured):
             standing.coming = _as_before(event, standing, path)

@@ -28,7 +28,7 @@ def check_cycle(cycle: object, shift: Shift) -> None:
 
 def check_action(name: str, action: object, model: Pomdp) -> None:
     """Raise EvidenceError for what is no action of the experiment."""
-    if action not in model.actions:
+    if not isinstance(action, str) or action not in model.actions:
         raise EvidenceError(f"{name} {shortened(action)}: should be one of {listed(model.actions)}.")
 
 
@@ -39,7 +39,8 @@ def observed(
     check_action("executed", executed, model)
     if observation is not None and likelihood is not None:
         raise EvidenceError("observation and likelihood: give one of them.")
-    if observation is not None and observation not in (*model.observations, UNCLEAR):
+    known = (*model.observations, UNCLEAR)
+    if observation is not None and (not isinstance(observation, str) or observation not in known):
         raise EvidenceError(
             f"observation {shortened(observation)}: should be one of {listed(model.observations)}, or {UNCLEAR} for "
             "none of these."

@@ -15,9 +15,8 @@ from fatigue_planner.live.events import (
 from fatigue_planner.live.fit import Fit
 from fatigue_planner.live.limits import MAX_SECONDS
 from fatigue_planner.live.rules import Rules
-from fatigue_planner.live.shift import Choice, Shift
+from fatigue_planner.live.shift import Shift
 from fatigue_planner.live.state import Counts, Robot
-from fatigue_planner.live.table import Prepared
 from fatigue_planner.live.watch import Watch
 from fatigue_planner.pomdp.beliefs.belief import Belief
 
@@ -29,7 +28,7 @@ class Standing:
     """Where a session stands.
 
     rules: by which decisions are made; coming: by which from `coming.cycle` on. pending: what was decided for the cycle
-    that comes or goes on; prepared: what will be, if that is known. told: what the robot said it does in that cycle.
+    that comes or goes on. told: what the robot said it does in that cycle.
     """
 
     def __init__(self, shift: Shift, rules: Rules, watch: Watch, at_s: float) -> None:
@@ -38,7 +37,6 @@ class Standing:
         self.rules = self.coming = rules
         self.counts, self.fit = Counts(), Fit()
         self.pending: Decided | None = None
-        self.prepared: Choice | None = None
         self.told: Executed | None = None
         # of which cycle the robot spoke last; 0: of none
         self._robot_cycle, self.robot_silent = 0, False
@@ -49,47 +47,47 @@ class Standing:
 
     def decide(self, event: Decided) -> None:
         """From now on this is what was decided for the cycle."""
-        self.pending, self.prepared = event, None
+        self.counts.decide(event)
+        self.pending = event
 
-    def go_on(self, event: Input, at_s: float, prepared: Prepared | None = None) -> None:
-        """Stand where an input of this moment leads. What was decided stands after advice, and a cycle told late.
+    def go_on(self, event: Input, at_s: float, after: Belief | None = None) -> None:
+        """Stand where an input of this moment leads, with the belief after it if that is known already.
 
-        prepared: the belief after it and the next choice, if they are known already.
+        What was decided stands after advice, and a cycle told late.
         """
-        is_metered = isinstance(event, Observed) and self.shift.advised
-        before = self.shift.before(event.cycle) if is_metered and isinstance(event, Observed) else None
+        before = self.shift.before(event.cycle) if isinstance(event, Observed) and self.shift.advised else None
         self.account(event, at_s, before)
         if isinstance(event, WorkerChanged):
             self._left_s[self.shift.worker] = min(self._ended_s, at_s)  # what has passed since then was rest
-        surprised = self.shift.take(event, prepared.belief if prepared else None)
-        if isinstance(event, Observed):
-            unknown = event.is_unclear and UNCLEAR not in self.shift.scenario.model.observations
-            surprised = not event.off and (surprised or unknown)
-            self.counts.surprised += surprised
-            self.fit.add(event, surprised)
-            if event.late:
+        surprised = self.shift.take(event, after)
+        match event:
+            case Observed():
+                unknown = event.is_unclear and UNCLEAR not in self.shift.scenario.model.observations
+                surprised = not event.off and (surprised or unknown)
+                self.counts.surprised += surprised
+                self.fit.add(event, surprised)
+                if event.late:
+                    return
+                self.told = None
+            case Skipped():
+                self.told = None
+                # the robot need not speak of a cycle in which it did nothing
+                self._robot_cycle += self._robot_cycle == event.cycle - 1
+            case Rested():
+                if event.key is not None:
+                    self._rests[event.key] = event.seconds
+                at_s = self._ended_s + event.seconds  # a pause may be said when it begins, too: then it ends later
+            case WorkerChanged():
+                self.fit.change(event.worker)
+            case Advice():
+                if not event.on:
+                    self.fit.forget()
                 return
-        elif isinstance(event, WorkerChanged):
-            self.fit.change(event.worker)
-        if isinstance(event, Advice):
-            self.prepared = None
-            if not event.on:
-                self.fit.forget()
-            return
-        self.pending = None
-        if self.shift.cycle >= self.coming.cycle:
-            self.rules = self.coming
-        if isinstance(event, Rested) and event.key is not None:
-            self._rests[event.key] = event.seconds
-        if isinstance(event, Observed | Skipped):
-            self.told = None
-            # the robot need not speak of a cycle in which it did nothing
-            self._robot_cycle += isinstance(event, Skipped) and self._robot_cycle == event.cycle - 1
-        # a pause may be said when it begins, too: then it ends later than now
-        self._ended_s = self._ended_s + event.seconds if isinstance(event, Rested) else at_s
+        self.pending, self._ended_s = None, at_s
+        self.rules = self.rules_in(self.shift.cycle)
 
     def account(self, event: Event, at_s: float, before: Belief | None = None) -> None:
-        """Count and watch an event of this moment; the belief before a cycle that is to be metered."""
+        """Count and watch an event of this moment, no decision; the belief before a cycle that is to be metered."""
         self.counts.add(event, None if self.pending is None else self.pending.action, self.shift.cycle - 1)
         self.watch.account(event, at_s, self.shift.worker, before)
 
@@ -106,6 +104,10 @@ class Standing:
         if event.action is None:
             return not self.robot_silent
         return self.robot_silent or event.cycle > self._robot_cycle
+
+    def rules_in(self, cycle: int) -> Rules:
+        """By what is decided in a cycle that comes."""
+        return self.coming if cycle >= self.coming.cycle else self.rules
 
     @property
     def robot(self) -> Robot:

@@ -41,20 +41,22 @@ class Counts:
     contradicted: int = 0
     refused: int = 0
 
+    def decide(self, event: Decided) -> None:
+        """Count a decision."""
+        self.late += event.late
+        self.fallback += event.fallback != "none"
+
     def add(self, event: Event, decided: str | None, ended: int) -> None:
         """Count an event; decided: the action that was decided for the cycle, if one was; ended: the last cycle."""
         match event:
-            case Decided():
-                self.late += event.late
-                self.fallback += event.fallback != "none"
-            case Observed(late=True):
-                self.unseen -= not event.is_blind
-                if not event.is_blind:
-                    self.unseen_in_a_row = min(self.unseen_in_a_row, ended - event.cycle)
-            case Observed():
+            case Observed() if not event.late:
                 self.unseen += event.is_blind
                 self.unseen_in_a_row = self.unseen_in_a_row + 1 if event.is_blind else 0
                 self.other_actions += decided is not None and event.executed != decided
+            case Observed():
+                self.unseen -= not event.is_blind
+                if not event.is_blind:
+                    self.unseen_in_a_row = min(self.unseen_in_a_row, ended - event.cycle)
             case WorkerChanged():
                 self.unseen_in_a_row = 0
             case CameLate():

@@ -17,8 +17,9 @@ IDLE_S = 0.05
 
 @dataclass(frozen=True)
 class Prepared:
-    """The belief after a cycle, and what to do in the next."""
+    """How a cycle may end, the belief after that, and what to do in the next."""
 
+    event: Observed
     belief: Belief
     choice: Choice
 
@@ -28,17 +29,18 @@ class Table:
 
     Its answers are those that would be computed afterwards: both come from the same functions of the same inputs. Its
     adviser is its own, for policies have working memory. `search` is told all that was prepared, and may improve it.
-    When all is prepared, the thread calls `look`; and when the cycle then goes on for a while, `foresee`, with a
-    function that tells when it has ended.
+    When what was prepared has been answered, the thread calls `catch_up`; when all is prepared, `look`; and when the
+    cycle then goes on for a while, `foresee`, with a function that tells when it has ended.
     """
 
     def __init__(
         self, shift: Shift, adviser: Adviser, search: Callable[[Sequence[Task]], None] = lambda _: None
     ) -> None:
         self._shift, self.adviser, self._search = shift, adviser, search
+        self.catch_up: Callable[[], None] = lambda: None
         self.look: Callable[[], object] = lambda: None
         self.foresee: Callable[[Callable[[], bool]], None] = lambda _: None
-        self._is_looking = False
+        self._is_answered = self._is_looking = False
         self._ready: dict[str | None, Prepared] = {}
         # what is prepared for, None for nothing, and how much of it was begun with
         self._cycle: tuple[Belief, int, str] | None = None
@@ -58,14 +60,20 @@ class Table:
             self._round += 1
             self._changed.notify_all()
 
-    def take(self, event: Observed) -> Prepared | None:
-        """What was prepared for this event, if it is ready."""
-        if event.likelihood is not None or event.duration_s is not None or event.idle_s or event.late or event.off:
-            return None
+    def answered(self) -> None:
+        """What was taken has been answered: `catch_up` is to prepare what may follow."""
         with self._changed:
-            if self._cycle is None or self._cycle[1:] != (event.cycle, event.executed):
+            self._ready, self._cycle = {}, None
+            self._round += 1
+            self._is_answered = True
+            self._changed.notify_all()
+
+    def take(self, cycle: int, executed: str, observation: str | None) -> Prepared | None:
+        """What was prepared for this end of a cycle, if it is ready."""
+        with self._changed:
+            if self._cycle is None or self._cycle[1:] != (cycle, executed):
                 return None
-            return self._ready.get(event.observation)
+            return self._ready.get(observation)
 
     def improve(self, task: Task, choice: Choice) -> bool:
         """Take what a search has found; whether that was of use: it is not if the cycle has ended."""
@@ -83,7 +91,7 @@ class Table:
     def close(self) -> None:
         """End the thread."""
         with self._changed:
-            self._is_open, self._cycle = False, None
+            self._is_open, self._cycle, self._is_answered = False, None, False
             self._changed.notify_all()
         self._thread.join()
 
@@ -91,17 +99,26 @@ class Table:
         work_beside()
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._is_todo() or not self._is_open)
+                self._changed.wait_for(lambda: self._is_answered or self._is_todo() or not self._is_open)
                 if not self._is_open:
                     return
-                assert self._cycle is not None
-                (belief, cycle, action), number, adviser = self._cycle, self._round, self.adviser
-                seen = self._seen[self._begun]
-                self._begun += 1
+                is_answered = self._is_answered
+                if not is_answered:
+                    assert self._cycle is not None
+                    (belief, cycle, action), number, adviser = self._cycle, self._round, self.adviser
+                    seen = self._seen[self._begun]
+                    self._begun += 1
+            if is_answered:
+                self.catch_up()
+                with self._changed:
+                    self._is_answered = False
+                    self._changed.notify_all()
+                continue
             if seen is None:
                 self._search(())
-            after = self._shift.after(belief, Observed(cycle=cycle, executed=action, observation=seen))
-            prepared = Prepared(after, adviser.choose(after, cycle + 1))
+            event = Observed(cycle=cycle, executed=action, observation=seen)
+            after = self._shift.after(belief, event)
+            prepared = Prepared(event, after, adviser.choose(after, cycle + 1))
             with self._changed:
                 if self._has_ended(number):
                     continue
@@ -125,7 +142,8 @@ class Table:
         return number != self._round or not self._is_open
 
     def _is_done(self) -> bool:
-        return self._cycle is None or (len(self._ready) == len(self._seen) and not self._is_looking)
+        is_ready = len(self._ready) == len(self._seen) and not self._is_looking
+        return not self._is_answered and (self._cycle is None or is_ready)
 
     def _is_todo(self) -> bool:
         return self._cycle is not None and self._begun < len(self._seen)

@@ -9,6 +9,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from fatigue_planner.core.random_streams import Vector, random_stream
 from fatigue_planner.live.doses import Doses, LivedCycle, RecentDoses, reaction_chances
@@ -106,12 +107,13 @@ class Watch:
 
     def account(self, event: Event, at_s: float, worker: str = "", before: Belief | None = None) -> None:
         """Note what has happened; a cycle's worker, and the belief before it if it is to be metered (later)."""
-        self.alarms.account(event, at_s)
         match event:
-            case Observed() if before is not None:
-                self._lived.append(_Lived(event, at_s, worker, before))
-                if len(self._lived) > MAX_UNMETERED:
-                    self._meter()
+            case Observed():
+                if before is not None:
+                    self._lived.append(_Lived(event, at_s, worker, before))
+                    if len(self._lived) > MAX_UNMETERED:
+                        self._meter()
+                return
             case Advice(on=False):
                 self._coming = 0, ()
                 with self._looking:
@@ -119,6 +121,7 @@ class Watch:
                     self._recent.pop(worker, None)
             case WorkerChanged() | Rested() | Skipped():
                 self._coming = 0, ()
+        self.alarms.account(event, at_s)
 
     def look(self, belief: Belief) -> Levels:
         """How the belief stands; and meter what has been lived since the last look."""
@@ -157,8 +160,7 @@ class Watch:
                 self._recent.setdefault(lived.worker, RecentDoses()).add(event.cycle, cycle)
 
 
-@dataclass(frozen=True)
-class _Lived:
+class _Lived(NamedTuple):
     """A cycle that was lived and not metered yet."""
 
     event: Observed

@@ -108,7 +108,8 @@ def test_it_says_how_well_the_worker_is_seen_and_explained(page: Page, cache_fol
         assert page.value("document.getElementById('fault').textContent") == ""
         work("unclear", 9)
         work(None, 3)
-        page.until("document.body.innerText.includes('Surprises 11 in 14 seen')")
+        page.until("document.getElementById('fault').textContent.includes('not seen for 3 cycles')")
+        assert "Surprises 11 in 14 seen" in page.value("document.body.innerText")
         said = page.value("document.getElementById('fault').textContent")
         assert "Degraded: the worker was not seen for 3 cycles" in said
         assert "The model does not fit this worker: 11 surprises in 14 cycles seen" in said

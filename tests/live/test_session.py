@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from datetime import timedelta
@@ -15,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import PAPER
-from shifts import CYCLE_S, FakeClock, cycles
+from shifts import CYCLE_S, FakeClock, cycles, standing
 
 import fatigue_planner as fp
 from fatigue_planner.core.errors import (
@@ -27,7 +28,7 @@ from fatigue_planner.core.errors import (
 )
 from fatigue_planner.live import session as session_module
 from fatigue_planner.live.clock import RehearsalClock
-from fatigue_planner.live.events import Contradicted, Observed, Opened, Rested, Skipped, WorkerChanged
+from fatigue_planner.live.events import Contradicted, Decided, Observed, Opened, Rested, Skipped, WorkerChanged
 from fatigue_planner.live.journal_file import last_seconds, read_journal
 from fatigue_planner.live.limits import LATE_CYCLES
 from fatigue_planner.live.shift import Adviser, Shift
@@ -175,8 +176,8 @@ def test_what_comes_late_is_taken_in_its_place(scenario: fp.Scenario, path: Path
         assert other.decide().action == third.action
         other._clock.pass_(CYCLE_S)
         other.observe(3, observation="back")
-        assert np.array_equal(other._shift.belief.states, session._shift.belief.states)
-        assert other._shift.belief.weights.tolist() == session._shift.belief.weights.tolist()
+        assert np.array_equal(standing(other).belief.states, standing(session).belief.states)
+        assert standing(other).belief.weights.tolist() == standing(session).belief.weights.tolist()
     with fp.Session.open(path, scenario, clock=clock) as resumed:
         assert resumed.digest() == digest
         assert resumed.counts == session.counts
@@ -254,7 +255,7 @@ def test_what_the_robot_did_counts(scenario: fp.Scenario, path: Path, clock: Fak
         expected = scenario.initial_belief("prior", scenario.model, np.random.default_rng(0)).weigh(
             scenario.model.actions.index(other), [1.0, 0.0], np.random.default_rng(0)
         )
-        assert np.array_equal(session._shift.belief.states, expected.states)
+        assert np.array_equal(standing(session).belief.states, expected.states)
 
 
 def test_time_that_passed_is_rest(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
@@ -283,15 +284,15 @@ def test_it_goes_on_where_it_stopped(scenario: fp.Scenario, path: Path, clock: F
     """After every single cycle another program goes on, and all ends as if one had worked throughout."""
     with fp.Session.open(path.with_name("whole"), scenario, clock=FakeClock()) as whole:
         actions = cycles(whole, whole._clock, SEEN)
-        whole_belief = whole._shift.belief
+        whole_belief = standing(whole).belief
     found = []
     for one in SEEN:
         session = fp.Session.open(path, scenario, clock=clock)
         with session:
             found += cycles(session, clock, [one])
     assert found == actions
-    assert np.array_equal(session._shift.belief.weights, whole_belief.weights)
-    assert np.array_equal(session._shift.belief.states, whole_belief.states)
+    assert np.array_equal(standing(session).belief.weights, whole_belief.weights)
+    assert np.array_equal(standing(session).belief.states, whole_belief.states)
     assert session.counts == whole.counts
 
 
@@ -369,17 +370,17 @@ def test_switched_off_nothing_is_kept_of_a_worker(scenario: fp.Scenario, path: P
         session.rest(60)
         state = session.state()
         assert not state.advised and state.joints == () and state.counts.unseen == 1
-        assert np.array_equal(session._shift.belief.states, newcomer.states)
-        assert all(np.array_equal(past.belief.states, newcomer.states) for past in session._shift._past)
+        assert np.array_equal(standing(session).belief.states, newcomer.states)
+        assert all(np.array_equal(past.belief.states, newcomer.states) for past in standing(session)._past)
         digest = session.digest()
     with fp.Session.open(path, scenario, clock=clock) as session:
         assert session.digest() == digest and session.decide().fallback == "schedule"
         session.advise(True)
         session.observe(5, observation="arm")  # of a cycle in which he was off
-        assert np.array_equal(session._shift.belief.states, newcomer.states)
+        assert np.array_equal(standing(session).belief.states, newcomer.states)
         clock.pass_(CYCLE_S)
         assert session.observe(6, observation="arm").fallback == "none"
-        assert not np.array_equal(session._shift.belief.states, newcomer.states)
+        assert not np.array_equal(standing(session).belief.states, newcomer.states)
     ended = {one.event.cycle: one.event for one in read_journal(path) if isinstance(one.event, Observed)}
     assert [ended[cycle].off for cycle in range(1, 7)] == [False, False, False, True, True, False]
     for cycle in (4, 5):
@@ -394,7 +395,7 @@ def test_workers_are_never_mixed(scenario: fp.Scenario, path: Path, clock: FakeC
             session.worker(name)
             cycles(session, clock, list(seen))
             clock.pass_(60)
-        shift = session._shift
+        shift = standing(session)
         beliefs = {name: belief for name, (belief, _) in shift._others.items()} | {shift.worker: shift.belief}
         workers = dict(session._journal.workers)
     events = [one.event for one in read_journal(path)]
@@ -529,7 +530,7 @@ def test_a_shift_leaves_memory_and_times_flat(scenario: fp.Scenario, path: Path,
         for number in range(2700):
             cycles(session, clock, [next(seen)])
             if number % 300 == 299:
-                sizes.append(len(session._shift.belief.states))
+                sizes.append(len(standing(session).belief.states))
         digest = session.digest()
     assert max(sizes) <= 1000
     begin = time.process_time()
@@ -575,11 +576,11 @@ def test_who_is_off_stays_off_when_another_situation_is_accepted(scenario: fp.Sc
         session.worker("v")
     with fp.Session.open(path, scenario, {"kind": "greedy"}, clock=FakeClock(), accept=True) as session:
         session.worker("v")
-        assert session._shift.advised
+        assert standing(session).advised
         session.worker("w")
-        assert not session._shift.advised
+        assert not standing(session).advised
     with fp.Session.open(path, scenario, {"kind": "greedy"}, clock=FakeClock()) as session:
-        assert not session._shift.advised
+        assert not standing(session).advised
 
 
 def test_to_close_twice_is_to_close(scenario: fp.Scenario, path: Path) -> None:
@@ -642,6 +643,76 @@ def test_of_who_is_off_no_time_is_kept(scenario: fp.Scenario, path: Path, clock:
     assert [one.idle_s for one in events if isinstance(one, Observed)] == [0, 0, 20]
 
 
+def test_an_answer_that_was_prepared_is_given_to_nothing_else(
+    scenario: fp.Scenario, path: Path, clock: FakeClock
+) -> None:
+    """What is equal to what may be said, or cannot be compared with it, is refused as ever."""
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        first = session.decide()
+        assert session._table.wait(30)
+        digest = session.digest()
+        clock.pass_(CYCLE_S)
+        for cycle in (True, 1.0, np.int64(1), "1"):
+            with pytest.raises(CycleError):
+                session.observe(cycle, observation="arm")  # type: ignore[arg-type]
+        other = next(name for name in scenario.model.actions if name != first.action)
+        session.executed(1, first.action)
+        assert session._table.wait(30)
+        with pytest.raises(ContradictionError):
+            session.observe(1, executed=other, observation="arm")
+        for wrong in (["arm"], "elbow", np.array(["arm", "arm"]), 1):
+            with pytest.raises(EvidenceError):
+                session.observe(1, observation=wrong)  # type: ignore[arg-type]
+            with pytest.raises(EvidenceError):
+                session.observe(1, executed=wrong, observation="arm")  # type: ignore[arg-type]
+        assert session.digest() == digest
+        assert session.observe(1, observation="arm").prepared
+
+
+def test_whoever_looks_after_an_answer_sees_where_it_leads(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
+    """Also before the thread that does so has brought the shift there; and the journal has both in order."""
+    gate = threading.Event()
+    answers = []
+    with fp.Session.open(path, scenario, clock=clock) as session:
+        session._table.catch_up = lambda: gate.wait(30) and session._stand()
+        answers.append(session.decide())
+
+        def answered(seen: str | None) -> fp.CycleDecision:
+            assert session._table.wait(30)
+            clock.pass_(CYCLE_S)
+            gate.clear()
+            answers.append(session.observe(answers[-1].cycle, observation=seen))
+            assert answers[-1].prepared
+            return answers[-1]
+
+        looks = [
+            lambda: session.cycle,
+            lambda: session.state().cycle,
+            lambda: session.decide().cycle,
+            lambda: session.observe(answers[-2].cycle, observation="arm").cycle,
+            lambda: session.executed(answers[-1].cycle, answers[-1].action).cycle,
+        ]
+        for look in looks:
+            answer = answered("arm")
+            assert look() == answer.cycle
+            gate.set()
+        answered(None)
+        assert session.counts.unseen == 1
+        gate.set()
+        answered("back")
+        session.note("said after the answer")
+        gate.set()
+        digest = session.digest()
+    events = {one.number: one.event for one in read_journal(path)}
+    for answer in answers:
+        decided, before = events[answer.recorded], events[answer.recorded - 1]
+        assert isinstance(decided, Decided)
+        assert (decided.cycle, decided.action) == (answer.cycle, answer.action)
+        assert answer.cycle == 1 or (isinstance(before, Observed) and before.cycle == answer.cycle - 1)
+    with fp.Session.open(path, scenario, clock=clock) as resumed:
+        assert resumed.digest() == digest
+
+
 def test_who_answers_goes_first(scenario: fp.Scenario, path: Path, clock: FakeClock) -> None:
     """No garbage is looked for within an answer, nor among what was there before; threads beside it give way."""
     found: list[int] = []
@@ -693,7 +764,7 @@ def test_a_learnt_worker_with_habits_is_believed_by_bayes_rule(cache_folder: Pat
     with fp.Session.open(tmp_path / "shift.fatplan", scenario, clock=clock) as session:
         seen = ["back", "back", "arm", "back"]
         done = cycles(session, clock, seen)
-        belief = session._shift.belief
+        belief = standing(session).belief
         betas = belief.model.workers.expertise[belief.states[:, -1].astype(int)]
         found = [belief.weights[betas == beta].sum() for beta in (1e4, 1e5)]
     state, last, weights = model.state(np.zeros(78)), -1, np.array([0.3, 0.7])

@@ -14,6 +14,7 @@ from servers import Server, start
 import fatigue_planner as fp
 from fatigue_planner.live.events import Event
 from fatigue_planner.live.journal_file import read_journal
+from fatigue_planner.live.shift import Shift
 
 CYCLE_S = 16.0
 
@@ -40,6 +41,12 @@ class FakeClock(fp.Clock):
 
     def slept_s(self) -> float:
         return self.slept
+
+
+def standing(session: fp.Session) -> Shift:
+    """Where a session stands after its last answer, which it may have given before it went on."""
+    session.digest()
+    return session._shift
 
 
 def cycles(session: fp.Session, clock: FakeClock, seen: Sequence[str | None]) -> list[str]:

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 from conftest import PAPER
 from planting import fails_with
-from shifts import CYCLE_S, FakeClock, World, cycles
+from shifts import CYCLE_S, FakeClock, World, cycles, standing
 
 import fatigue_planner as fp
 from fatigue_planner.live.events import Observed
@@ -37,7 +37,7 @@ def test_01_the_tracker_is_silent_for_three_cycles(world: World) -> None:
         actions = cycles(session, world.clock, seen)
         decision = session.decide()
         mean, square = enumerated(world.scenario, actions, seen)
-        belief = session._shift.belief
+        belief = standing(session).belief
         fatigue = belief.states[:, :-1]
         np.testing.assert_allclose(belief.weights @ fatigue, mean, rtol=1e-12)
         np.testing.assert_allclose(belief.weights @ fatigue**2, square, rtol=1e-12)
@@ -46,7 +46,7 @@ def test_01_the_tracker_is_silent_for_three_cycles(world: World) -> None:
     assert state.degraded
 
 
-@fails_with(f"{SESSION}._decided", "self.counts.unseen_in_a_row >= rules.unseen_limit", "False")
+@fails_with(f"{SESSION}._decided", "standing.counts.unseen_in_a_row >= rules.unseen_limit", "False")
 def test_02_the_tracker_is_silent_for_200_cycles(world: World) -> None:
     """Memory is bounded; from the limit on, which can be chosen, the schedule decides."""
     with world.open(unseen_limit=30) as session:
@@ -56,7 +56,7 @@ def test_02_the_tracker_is_silent_for_200_cycles(world: World) -> None:
             world.clock.pass_(CYCLE_S)
             session.observe(session.cycle)
         assert fallbacks == ["none"] * 30 + ["schedule"] * 170
-        assert len(session._shift.belief.weights) <= MAX_STATES
+        assert len(standing(session).belief.weights) <= MAX_STATES
         digest = session.digest()
         world.clock.pass_(CYCLE_S)
         assert session.observe(session.cycle, observation="arm").fallback == "none"
@@ -81,12 +81,12 @@ def test_07_an_observation_comes_after_the_next_decision(world: World) -> None:
         late = session.observe(3, observation="back")
         assert (late.cycle, late.action) == (4, fourth.action)
         assert session.counts.unseen == 0
-        belief, digest = session._shift.belief, session.digest()
+        belief, digest = standing(session).belief, session.digest()
     assert [one.late for one in world.events(Observed)] == [False, False, False, True]
     with world.open("in time", clock := type(world.clock)()) as other:
         assert cycles(other, clock, ["arm", "back", "back"]) == [*actions, third.action]
-        assert np.array_equal(other._shift.belief.states, belief.states)
-        assert other._shift.belief.weights.tolist() == belief.weights.tolist()
+        assert np.array_equal(standing(other).belief.states, belief.states)
+        assert standing(other).belief.weights.tolist() == belief.weights.tolist()
     with world.open() as resumed:
         assert resumed.digest() == digest
         assert resumed.counts == session.counts
@@ -105,12 +105,12 @@ def test_09_the_robot_did_something_else_or_nothing(world: World) -> None:
         world.clock.pass_(CYCLE_S)
         session.observe(1, executed=other, observation="arm")
         mean, _ = enumerated(world.scenario, [other], ["arm"])
-        np.testing.assert_allclose(session._shift.belief.weights @ session._shift.belief.states[:, :-1], mean)
+        np.testing.assert_allclose(standing(session).belief.weights @ standing(session).belief.states[:, :-1], mean)
         assert session.counts.other_actions == 1
-        before = session._shift.belief
+        before = standing(session).belief
         world.clock.pass_(9)
         assert session.skip().cycle == 3
-        assert np.array_equal(session._shift.belief.states, before.rest(9).states)
+        assert np.array_equal(standing(session).belief.states, before.rest(9).states)
 
 
 @fails_with("fatigue_planner.live.fit:Fit.add", ".append(surprised)", ".append(False)")
@@ -120,7 +120,7 @@ def test_12_the_worker_does_what_nobody_knows(world: World) -> None:
         session.worker("w-a")
         actions = cycles(session, world.clock, ["unclear"] * 4)
         mean, _ = enumerated(world.scenario, actions, [None] * 4)
-        np.testing.assert_allclose(session._shift.belief.weights @ session._shift.belief.states[:, :-1], mean)
+        np.testing.assert_allclose(standing(session).belief.weights @ standing(session).belief.states[:, :-1], mean)
         cycles(session, world.clock, ["unclear"] * (MOST - 4))
         assert (session.state().surprises, session.state().fits) == (MOST, True)
         cycles(session, world.clock, ["unclear"])

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from planting import fails_with
-from shifts import CYCLE_S, FakeClock, World, cycles
+from shifts import CYCLE_S, FakeClock, World, cycles, standing
 
 import fatigue_planner as fp
 from fatigue_planner.core.errors import OtherSituationError, SelectionError
@@ -30,9 +30,9 @@ def test_10_workers_take_turns(world: World) -> None:
                 decision = session.observe(decision.cycle, executed="low", observation=one)
             world.clock.pass_(60)
         digest = session.digest()
-        beliefs = {"w-b": session._shift.belief}
+        beliefs = {"w-b": standing(session).belief}
         session.worker("w-a")
-        beliefs["w-a"] = session._shift.belief
+        beliefs["w-a"] = standing(session).belief
     # how long each was away before his second turn, and until now
     for name, away_s in (("w-a", (60 + CYCLE_S + 60, 60 + 2 * CYCLE_S + 60)), ("w-b", (60 + 2 * CYCLE_S + 60, 0))):
         with world.open(name, clock := FakeClock()) as alone:
@@ -43,12 +43,12 @@ def test_10_workers_take_turns(world: World) -> None:
                     clock.pass_(CYCLE_S)
                     alone.observe(alone.cycle, executed="low", observation=one)
                 alone.rest(pause_s)
-            mine = alone._shift.belief
+            mine = standing(alone).belief
             np.testing.assert_allclose(beliefs[name].states, mine.states, rtol=1e-12)
             assert np.array_equal(beliefs[name].weights, mine.weights)
     with world.open() as resumed:
         assert resumed.digest() != digest  # w-a is back
-        assert np.array_equal(resumed._shift.belief.states, beliefs["w-a"].states)
+        assert np.array_equal(standing(resumed).belief.states, beliefs["w-a"].states)
 
 
 @fails_with("fatigue_planner.live.opening:changes", "if old != new]", "if False]")

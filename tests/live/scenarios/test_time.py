@@ -6,7 +6,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 from planting import fails_with
-from shifts import CYCLE_S, FakeClock, World, cycles
+from shifts import CYCLE_S, FakeClock, World, cycles, standing
 
 from fatigue_planner.live.clock import SystemClock
 from fatigue_planner.live.events import ClockSet, Decided, Observed, Slept
@@ -24,12 +24,12 @@ def test_03_the_time_of_day_is_set(world: World) -> None:
     """An hour back and on: nothing lasts longer or shorter; the journal says by how much it was set."""
     with world.open("undisturbed", clock := FakeClock()) as session:
         cycles(session, clock, SEEN)
-        digest = session._shift.belief.states.tobytes()
+        digest = standing(session).belief.states.tobytes()
     with world.open() as session:
         for hours, one in zip((-1, 1, 0, -1), SEEN, strict=True):
             world.clock.wall += timedelta(hours=hours)
             cycles(session, world.clock, [one])
-        assert session._shift.belief.states.tobytes() == digest
+        assert standing(session).belief.states.tobytes() == digest
     assert [one.difference_s for one in world.events(ClockSet)] == [-3600, 3600, -3600]
     assert not any(one.idle_s for one in world.events(Observed))
     world.clock.wall += timedelta(seconds=30)  # while nothing ran
@@ -73,12 +73,12 @@ def test_11_lunch_a_pause_and_cycles_of_any_length(world: World) -> None:
             session.rest(seconds)
         clock.pass_(45 * 60)
         other.rest(45 * 60)
-        np.testing.assert_allclose(session._shift.belief.states, other._shift.belief.states, rtol=1e-13)
-        before = session._shift.belief
+        np.testing.assert_allclose(standing(session).belief.states, standing(other).belief.states, rtol=1e-13)
+        before = standing(session).belief
         session.observe(5, observation="arm", executed="high", duration_s=17.2)
         rng = np.random.default_rng(0)
         expected = before.weigh(0, [1.0, 0.0], rng).rest(1.2)
-        np.testing.assert_allclose(session._shift.belief.states, expected.states, rtol=1e-13)
+        np.testing.assert_allclose(standing(session).belief.states, expected.states, rtol=1e-13)
         digest = session.digest()
     with world.open() as resumed:
         assert resumed.digest() == digest
@@ -86,7 +86,7 @@ def test_11_lunch_a_pause_and_cycles_of_any_length(world: World) -> None:
         resumed.observe(6, executed="low")
         resumed.rest(60)
         resumed.observe(6, executed="low", observation="arm")  # told late: the pause after it stays
-        late = resumed._shift.belief.states
+        late = standing(resumed).belief.states
     with world.open("in time", FakeClock()) as other:
         cycles(other, other._clock, SEEN)
         for seconds in (37.2, 45 * 60 - 37.2):
@@ -94,7 +94,7 @@ def test_11_lunch_a_pause_and_cycles_of_any_length(world: World) -> None:
         other.observe(5, observation="arm", executed="high", duration_s=17.2)
         other.observe(6, executed="low", observation="arm")
         other.rest(60)
-        np.testing.assert_allclose(late, other._shift.belief.states, rtol=1e-13)
+        np.testing.assert_allclose(late, standing(other).belief.states, rtol=1e-13)
 
 
 @fails_with(f"{SESSION}._decided", "took_s = time.perf_counter() - began", "took_s = self._clock.seconds() - 1000")
