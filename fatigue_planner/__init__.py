@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from fatigue_planner.fatigue.laws.law import FatigueLaw as FatigueLaw
     from fatigue_planner.live.clock import Clock as Clock
     from fatigue_planner.live.events import AlarmSettings as AlarmSettings
-    from fatigue_planner.live.session import CycleDecision as CycleDecision
     from fatigue_planner.live.session import Session as Session
+    from fatigue_planner.live.turn import CycleDecision as CycleDecision
     from fatigue_planner.motion.tasks.task import PreferenceTask as PreferenceTask
     from fatigue_planner.motion.tasks.task import Task as Task
     from fatigue_planner.output.reports.results.report import report_section as report_section
@@ -70,7 +70,8 @@ _WHERE = {
     "fatigue.laws.law": ("FatigueLaw",),
     "live.clock": ("Clock",),
     "live.events": ("AlarmSettings",),
-    "live.session": ("CycleDecision", "Session"),
+    "live.session": ("Session",),
+    "live.turn": ("CycleDecision",),
     "motion.tasks.task": ("PreferenceTask", "Task"),
     "output.reports.results.report": ("report_section",),
     "planners.policy": ("Decision", "Policy", "PolicySettings"),

@@ -129,6 +129,7 @@ def _publish(
     from fatigue_planner.reactions.reaction import digests
     from fatigue_planner.study.benchmark import results, tables
     from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, publish_bounds, read_bounds
+    from fatigue_planner.study.benchmark.comparisons import publish_comparisons
     from fatigue_planner.study.statistics.comparison import summary_text
     from fatigue_planner.study.statistics.contrast import contrast_text
     from fatigue_planner.study.statistics.pairing import records
@@ -137,7 +138,7 @@ def _publish(
     table = tables.trial_table(grid, done)
     assert not table[tables.OUTCOMES].isna().any(axis=None)
     tables.publish_table(folder, table, [tables.TRIALS_FILE, tables.ACTIONS_FILE, tables.TIMES_FILE])
-    comparison, contrasted = results.publish_comparisons(folder, table, statistics, experiment.benchmark.seed)
+    comparison, contrasted = publish_comparisons(folder, table, statistics, experiment.benchmark.seed)
     summary = "".join(f"{sentence}\n" for sentence in left_out)
     summary += summary_text(comparison, statistics.significance_level) + "\n" + contrast_text(contrasted, statistics)
     files = [tables.TRIALS_FILE, tables.ACTIONS_FILE, results.COMPARISON_FILE, results.CONTRASTS_FILE, SUMMARY_FILE]

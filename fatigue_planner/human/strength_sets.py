@@ -140,6 +140,11 @@ def _find(name: str, folder: Path, what: str) -> Path:
     return path
 
 
+@cache
+def _shipped(path: Path) -> StrengthFile:
+    return load_data(path, StrengthFile)
+
+
 def _load(path: Path, above: tuple[Path, ...]) -> StrengthSet:
     """The set of a file on which the last of the files `above` is based, that one on the one before it, …."""
     this = path.resolve()
@@ -148,7 +153,7 @@ def _load(path: Path, above: tuple[Path, ...]) -> StrengthSet:
         raise DataFileError(f"{path}: based_on goes round in a circle: {circle}.")
     if len(above) >= MAX_CHAIN_LENGTH:
         raise DataFileError(f"{path}: based_on: more than {MAX_CHAIN_LENGTH} files build on each other.")
-    content = load_data(path, StrengthFile)
+    content = _shipped(path) if path.parent == STRENGTHS else load_data(path, StrengthFile)
     entries: dict[Entry, StrengthEntry] = {}
     if content.based_on is not None:
         entries |= _load(_find(content.based_on, path.parent, f"{path}: based_on"), (*above, this)).entries

@@ -81,15 +81,15 @@ class ClockWatch:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._ahead_s, self._slept_s = self._now()
+        self._ahead_s, self._slept_s = clock.utc().timestamp() - clock.seconds(), clock.slept_s()
 
     def stood(self, seconds: float, utc: str) -> None:
         """What the clock and the time of day showed when it was last looked at."""
         self._ahead_s = datetime.fromisoformat(utc).timestamp() - seconds
 
-    def look(self) -> list[ClockSet | Slept]:
-        """What has happened since it was last asked, or since `stood`."""
-        ahead_s, slept_s = self._now()
+    def look(self, seconds: float, utc: datetime) -> list[ClockSet | Slept]:
+        """What has happened since it was last asked, or since `stood`, by what the clock and the time of day show."""
+        ahead_s, slept_s = utc.timestamp() - seconds, self._clock.slept_s()
         found: list[ClockSet | Slept] = []
         if slept_s - self._slept_s >= CLOCK_STEP_S:
             found.append(Slept(seconds=slept_s - self._slept_s))
@@ -98,9 +98,6 @@ class ClockWatch:
             found.append(ClockSet(difference_s=ahead_s - self._ahead_s))
             self._ahead_s = ahead_s
         return found
-
-    def _now(self) -> tuple[float, float]:
-        return self._clock.utc().timestamp() - self._clock.seconds(), self._clock.slept_s()
 
 
 class RehearsalClock(Clock):

@@ -9,11 +9,11 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, NamedTuple, NoReturn, Self
+from typing import Any, NoReturn, Self
 
 from fatigue_planner.core.errors import (
     ContradictionError,
@@ -36,7 +36,6 @@ from fatigue_planner.live.events import (
     Decided,
     Event,
     Executed,
-    Fallback,
     Input,
     Noted,
     Observed,
@@ -60,70 +59,13 @@ from fatigue_planner.live.searcher import Searcher, Task, unsearched
 from fatigue_planner.live.shift import Choice, Shift
 from fatigue_planner.live.standing import Standing
 from fatigue_planner.live.state import DEGRADED_AFTER, Counts, SessionState, joint_fatigue, pauses
-from fatigue_planner.live.table import Prepared, Table
+from fatigue_planner.live.table import Table
+from fatigue_planner.live.turn import Answered, CycleDecision, Turn
 from fatigue_planner.live.watch import Watch
 from fatigue_planner.planners.policy import PolicySettings
 from fatigue_planner.planners.registry import policy as policy_settings
 from fatigue_planner.pomdp.beliefs.belief import Belief
 from fatigue_planner.pomdp.scenario import Scenario
-
-
-@dataclass(frozen=True)
-class CycleDecision:
-    """What the robot should do in a cycle.
-
-    action: by name. fallback: "none" where the policy decided, else what did. prepared: it was ready before it was
-        asked for. late: it took longer than the deadline.
-    recorded: the number of the last event that is handed over to the journal; durable_up_to: of the last on the disk.
-        What is newer than that should be kept, and said again after a restart.
-
-    >>> with fp.Session.open(folder / "example.fatplan", scenario) as session:
-    ...     session.decide().fallback
-    'none'
-    """
-
-    cycle: int
-    action: str
-    reason: str
-    fallback: Fallback
-    prepared: bool
-    late: bool
-    recorded: int
-    durable_up_to: int
-
-
-class _Answered(NamedTuple):
-    """What was answered when a cycle had ended as prepared, when, and how long that took."""
-
-    prepared: Prepared
-    answer: CycleDecision
-    seconds: float
-    utc: datetime
-    took_s: float
-
-
-class _Turn:
-    """One call at a time: `with turn as began`, by a clock that stands while the machine sleeps.
-
-    Not a generator: with one, half of all prepared answers took 3 to 13 % longer.
-    """
-
-    def __init__(self, lock: threading.Lock, begin: Callable[[], None]) -> None:
-        """begin: what is done first in every turn."""
-        self._lock, self._begin = lock, begin
-
-    def __enter__(self) -> float:
-        began = time.perf_counter()
-        self._lock.acquire()
-        try:
-            self._begin()
-        except BaseException:
-            self._lock.release()
-            raise
-        return began
-
-    def __exit__(self, *_: object) -> None:
-        self._lock.release()
 
 
 class Session:
@@ -151,10 +93,11 @@ class Session:
         self._table = Table(shift, rules.for_table, *([self._searcher.search] if self._searcher else []))
         self._standing = Standing(shift, rules, watch, clock.seconds())
         self._watch, self._clock_watch = watch, ClockWatch(clock)
-        self._answered: _Answered | None = None
+        self._answered: Answered | None = None
         self._changing, lock = threading.Lock(), threading.Lock()
-        self._hold, self._turn = _Turn(lock, self._catch_up), _Turn(lock, self._begin_turn)
+        self._hold, self._turn = Turn(lock, self._catch_up), Turn(lock, self._begin_turn)
         self._table.catch_up, self._table.look, self._table.foresee = self._stand, self._look, self._foresee
+        self._now = float(clock.seconds()), clock.utc()
         self._recorded = self._resumed_at = -1
 
     @property
@@ -492,8 +435,9 @@ class Session:
     def _begin_turn(self) -> None:
         """Stand where the last turn has led, and record what has happened since then. To be called in a turn."""
         self._catch_up()
-        for event in self._clock_watch.look():
-            self._record(event)
+        self._now = float(self._clock.seconds()), self._clock.utc()
+        for event in self._clock_watch.look(*self._now):
+            self._record(event, *self._now)
         for why in self._searcher.faults() if self._searcher else ():
             self._record(SearchFailed(why=why))
 
@@ -502,13 +446,14 @@ class Session:
     ) -> CycleDecision | None:
         """The decision for the next cycle, if what is said of the one going on was prepared; else all is checked.
 
-        The answer first: `_catch_up` brings the shift to where it leads, and hands the decision over to the journal.
+        The answer first: `_catch_up` hands what was said and decided over to the journal, as the next two events, and
+        brings the shift to where it leads.
         """
         executed = self._standing.done if executed is None else executed
         if not (type(cycle) is int and type(executed) is str and (observation is None or type(observation) is str)):
             return None
         prepared = self._table.take(cycle, executed, observation) if self._shift.advised else None
-        seconds, utc = float(self._clock.seconds()), self._clock.utc()
+        seconds, utc = self._now
         if prepared is None or self._standing.idle_s(prepared.event, seconds):
             return None
         rules = self._standing.rules_in(cycle + 1)
@@ -516,7 +461,6 @@ class Session:
             return None
         choice = unsearched(prepared.choice) if self._searcher else prepared.choice
         took_s = time.perf_counter() - began
-        self._record(prepared.event, seconds, utc)
         answer = CycleDecision(
             cycle + 1,
             self._shift.scenario.model.actions[choice.action],
@@ -524,10 +468,10 @@ class Session:
             choice.fallback,
             True,
             took_s > rules.deadline_s,
-            self._recorded if self._journal.fault else self._recorded + 1,
+            self._recorded if self._journal.fault else self._recorded + 2,
             self._journal.durable_up_to,
         )
-        self._answered = _Answered(prepared, answer, seconds, utc, took_s)
+        self._answered = Answered(prepared, choice, seconds, utc, took_s)
         self._table.answered()
         return answer
 
@@ -535,21 +479,10 @@ class Session:
         """Go on to where the last prepared answer leads. To be called in a turn."""
         if self._answered is None:
             return
-        prepared, answer, seconds, utc, took_s = self._answered
-        decided = Decided(
-            cycle=answer.cycle,
-            action=answer.action,
-            reason=answer.reason,
-            fallback=answer.fallback,
-            prepared=True,
-            late=answer.late,
-            duration_s=took_s,
-        )
+        (prepared, choice, seconds, utc, took_s), self._answered = self._answered, None
+        self._record(prepared.event, seconds, utc)
         self._standing.go_on(prepared.event, seconds, prepared.belief)
-        self._record(decided, seconds, utc)
-        self._standing.decide(decided)
-        self._answered = None
-        self._prepare()
+        self._decide(choice, took_s, True, seconds, utc)
 
     def _stand(self) -> None:
         """Stand where the last turn has led. Not to be called in a turn."""
@@ -566,19 +499,7 @@ class Session:
             else:
                 choice = rules.adviser.choose(self._shift.belief, cycle)
                 choice = unsearched(choice) if self._searcher else choice
-            took_s = time.perf_counter() - began
-            pending = Decided(
-                cycle=cycle,
-                action=self._shift.scenario.model.actions[choice.action],
-                reason=choice.reason,
-                fallback=choice.fallback,
-                prepared=False,
-                late=took_s > rules.deadline_s,
-                duration_s=took_s,
-            )
-            self._record(pending)
-            standing.decide(pending)
-            self._prepare()
+            pending = self._decide(choice, time.perf_counter() - began, False)
         return CycleDecision(
             pending.cycle,
             pending.action,
@@ -589,6 +510,24 @@ class Session:
             self._recorded,
             self._journal.durable_up_to,
         )
+
+    def _decide(
+        self, choice: Choice, took_s: float, prepared: bool, seconds: float | None = None, utc: datetime | None = None
+    ) -> Decided:
+        """Stand by a choice for the cycle that comes, made at a moment, by default now, and prepare what may follow."""
+        decided = Decided(
+            cycle=self._shift.cycle,
+            action=self._shift.scenario.model.actions[choice.action],
+            reason=choice.reason,
+            fallback=choice.fallback,
+            prepared=prepared,
+            late=took_s > self._standing.rules.deadline_s,
+            duration_s=took_s,
+        )
+        self._record(decided, seconds, utc)
+        self._standing.decide(decided)
+        self._prepare()
+        return decided
 
     def _prepare(self) -> None:
         """Prepare what may follow the cycle that was decided."""

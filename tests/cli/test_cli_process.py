@@ -63,6 +63,7 @@ import sys
 from fatigue_planner.cli.entry import execute
 assert execute(["validate", {str(PAPER)!r}]) == 0
 import fatigue_planner.experiment.build
+import fatigue_planner.study.benchmark.results
 print(sorted(name for name in sys.modules if name in ("scipy.stats", "scipy.optimize", "matplotlib", "mujoco")))
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

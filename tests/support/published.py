@@ -6,7 +6,8 @@ from fatigue_planner.core.provenance import publish_manifest
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.schema import Experiment
 from fatigue_planner.reactions.reaction import Reaction, digests
-from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE, publish_comparisons
+from fatigue_planner.study.benchmark.comparisons import publish_comparisons
+from fatigue_planner.study.benchmark.results import COMPARISON_FILE, CONTRASTS_FILE
 from fatigue_planner.study.benchmark.selection import cells
 from fatigue_planner.study.benchmark.tables import ACTIONS_FILE, TRIALS_FILE, publish_table, trial_table
 

@@ -33,6 +33,7 @@ from fatigue_planner.fatigue.model import CycleProfile
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.reactions import key as reaction_key
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
+from fatigue_planner.robot.reach import Cell, PoseReach
 from fatigue_planner.station import kept_shares
 from fatigue_planner.study.benchmark import bounds, cell, regret
 from fatigue_planner.study.benchmark.bounds import bound_jobs
@@ -66,8 +67,16 @@ def moved(reactions: tuple[Reaction, ...]) -> tuple[Reaction, ...]:
 
 @pytest.fixture(scope="module")
 def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
-    """The keys of an experiment's content, were its motions still the same; strength files are read once."""
+    """The keys of an experiment's content, were its motions still the same; what equals is computed once."""
     known: dict[str, dict[ReactionName, CycleProfile]] = {}
+    poses: dict[tuple[str, bytes, bytes, bytes], PoseReach] = {}
+    reach = Cell.reach
+
+    def reach_once(cell: Cell, target: NDArray[np.float64], worker: tuple[NDArray[np.float64], ...]) -> PoseReach:
+        key = (cell.settings.model_dump_json(), target.tobytes(), worker[0].tobytes(), worker[1].tobytes())
+        if key not in poses:
+            poses[key] = reach(cell, target, (worker[0], worker[1]))
+        return poses[key]
 
     def keys(content: Content) -> Keys:
         experiment = parsed(content)
@@ -94,6 +103,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
     with pytest.MonkeyPatch.context() as patch, forgotten_plugins():
         load_plugin(ROOT / "tests" / "support" / "agents.py")
         patch.setattr(build, "maximum_torque", cache(build.maximum_torque))
+        patch.setattr(Cell, "reach", reach_once)
         yield keys
 
 

@@ -5,8 +5,8 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from fatigue_planner.live.face.requests import CALLS
-from fatigue_planner.live.session import CycleDecision
 from fatigue_planner.live.state import SessionState
+from fatigue_planner.live.turn import CycleDecision
 
 REFUSALS = {
     "400": "A header is there twice.",

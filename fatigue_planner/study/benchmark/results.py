@@ -9,11 +9,10 @@ import pandas as pd
 from pydantic import BaseModel, model_validator
 
 from fatigue_planner.core.errors import DamagedFileError, MissingTableError, StaleTableError, listed
-from fatigue_planner.core.files import publish_csv, remove, set_aside
+from fatigue_planner.core.files import remove, set_aside
 from fatigue_planner.core.provenance import MANIFEST_FILE, Note, check_intact, read_note, sha256, versions
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.experiment.statistics_settings import StatisticsSettings
 from fatigue_planner.planners.lookahead import ReferenceSettings
 from fatigue_planner.reactions.reaction import digests
 from fatigue_planner.study.benchmark.bounds import BOUNDS_FILE, CELL, read_bounds
@@ -32,9 +31,8 @@ from fatigue_planner.study.benchmark.tables import (
     read_keyed,
     read_table,
 )
-from fatigue_planner.study.statistics.comparison import RANK_COLUMNS, comparison_table
+from fatigue_planner.study.statistics.comparison import RANK_COLUMNS
 from fatigue_planner.study.statistics.contrast import COLUMNS
-from fatigue_planner.study.statistics.contrasts import contrasts
 
 EXPERIMENT_FILE = "experiment.yaml"
 COMPARISON_FILE = "comparison.csv"
@@ -136,18 +134,6 @@ def load_results(experiment: Experiment, folder: Path, command: str) -> Results:
     for file in (TRIALS_FILE, ACTIONS_FILE, COMPARISON_FILE, CONTRASTS_FILE, *optional):
         check_intact(folder, note, file, command)
     return Results(trials, actions, comparison, contrasted, regret, bounds, note)
-
-
-def publish_comparisons(
-    folder: Path, trials: pd.DataFrame, settings: StatisticsSettings, seed: int
-) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Compare the policies; write comparison.csv and contrasts.csv, which are returned."""
-    shown = trials[trials["policy"].isin(settings.shown(trials["policy"]))]
-    comparison = comparison_table(shown, settings.significance_level)
-    publish_csv(folder / COMPARISON_FILE, comparison)
-    contrasted = contrasts(trials, settings, seed)
-    publish_csv(folder / CONTRASTS_FILE, contrasted)
-    return comparison, contrasted
 
 
 # Tables that only runs with an option make, and the option.

@@ -97,7 +97,7 @@ def test_11_lunch_a_pause_and_cycles_of_any_length(world: World) -> None:
         np.testing.assert_allclose(late, standing(other).belief.states, rtol=1e-13)
 
 
-@fails_with(f"{SESSION}._decided", "took_s = time.perf_counter() - began", "took_s = self._clock.seconds() - 1000")
+@fails_with(f"{SESSION}._decided", "time.perf_counter() - began", "self._clock.seconds() - 1000")
 def test_26_the_machine_sleeps_for_20_minutes(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     """The worker has rested, and a decision during which it slept is not late: no time passed for it."""
 
