@@ -110,10 +110,13 @@ def _joints(found: "PreferenceFit") -> list[dict[str, Any]]:
 
 
 def _lines(settings: "Experiment", name: str, document: dict[str, Any], write: Path | None) -> list[str]:
+    from fatigue_planner.recordings.learning.preference_fit import FAILED_DEG
+
+    def told(degrees: float | None) -> str | None:
+        return None if degrees is None else "impossible" if degrees == FAILED_DEG else f"{degrees:.1f}"
+
     def course(row: dict[str, Any]) -> str:
-        before, after, others = (
-            None if row[key] is None else f"{row[key]:.1f}" for key in ("before_deg", "after_deg", "others_deg")
-        )
+        before, after, others = map(told, (row["before_deg"], row["after_deg"], row["others_deg"]))
         return f"{before} as it was, {after} fitted" + (f", {others} fitted to other people" if others else "")
 
     lines = [f"Left out: {left}: {reason}." for left, reason in document["left_out"].items()]

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fatigue_planner.core.errors import FailedMotionError
 from fatigue_planner.core.executors.processes import LocalProcesses
 from fatigue_planner.experiment.build import reaction_requests
 from fatigue_planner.experiment.schema import Experiment
@@ -68,14 +69,24 @@ def test_what_fits_one_person_and_no_other_does_not_help(asked: dict[str, Motion
     assert found.helps is False and rms(found.after_deg) <= rms(found.before_deg)
 
 
-def test_a_motion_that_cannot_be_is_far_off(asked: dict[str, MotionRequest]) -> None:
+@pytest.fixture
+def too_far(asked: dict[str, MotionRequest]) -> Example:
+    """A motion that cannot be: the object is 5 m away."""
     request = asked["middle"]
     goal = request.action.right_hand
     assert goal is not None
     beyond = goal.model_copy(update={"position_m": goal.position_m.model_copy(update={"x": 5.0})})
     far = replace(request, action=request.action.model_copy(update={"right_hand": beyond}))
-    example = Example(ReactionName("middle", "far", "arm"), far, np.zeros((400, 39)))
-    assert off_deg(request.preference, example).tolist() == [FAILED_DEG] * 39
+    return Example(ReactionName("middle", "far", "arm"), far, np.zeros((400, 39)))
+
+
+def test_a_motion_that_cannot_be_is_far_off(too_far: Example) -> None:
+    assert off_deg(too_far.request.preference, too_far).tolist() == [FAILED_DEG] * 39
+
+
+def test_where_no_motion_can_be_nothing_is_sought_and_the_reason_is_told(too_far: Example) -> None:
+    with pytest.raises(FailedMotionError, match=r"No motion can be simulated .*\n  middle/far/arm: no admissible"):
+        fit_preference([too_far], 10, LocalProcesses(1))
 
 
 def test_everybody_is_left_out_once_where_there_are_several(asked: dict[str, MotionRequest]) -> None:

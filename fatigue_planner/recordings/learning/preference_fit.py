@@ -84,9 +84,16 @@ def fit_preference(
 ) -> PreferenceFit:
     """The fit to recordings of one preference, which has tasks; each search simulates every motion so many times.
 
-    `searched` is called after each of the `searches`. Raises LostWorkError if one is lost with its worker.
+    `searched` is called after each of the `searches`. Raises FailedMotionError if no motion can be simulated with the
+    preference as it is: a search could not tell where to go from there. LostWorkError if one is lost with its worker.
     """
     before, parts = examples[0].request.preference, searches(examples)
+    failed = failures(examples)
+    if len(failed) == len(examples):
+        reasons = "".join(f"\n  {name}: {reason}" for name, reason in failed.items())
+        raise FailedMotionError(
+            f"No motion can be simulated with the preference as it is, where a search begins:{reasons}"
+        )
     found: dict[str, Preference] = {}
     for index, made in executor.run(partial(_searched, evaluations=evaluations), list(parts.values())):
         if isinstance(made, Lost):
@@ -103,6 +110,17 @@ def fit_preference(
         np.array([off_deg(found[""], example) for example in examples]),
         others,
     )
+
+
+def failures(examples: Sequence[Example]) -> dict[ReactionName, str]:
+    """Why motions cannot be simulated with the preference as it is."""
+    found = {}
+    for example in examples:
+        try:
+            simulate(example.request)
+        except FailedMotionError as error:
+            found[example.name] = str(error)
+    return found
 
 
 def off_deg(preference: Preference, example: Example) -> Array:
