@@ -88,6 +88,8 @@ BARS = {
     "foot_slide_m": Bar("a foot slides by", 0.02, "cm", 100, ".1f"),
     "stretch": Bar("the cycle's pace differs from the recorded one by a factor of", 1.5, "", digits=".2f"),
 }
+# Two measures that differ by less are the same: 0.3 s is not more than 1.5 times the time from 1.3 s to 1.5 s.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ class PhaseQuality:
         for measure, bar in BARS.items():
             value = getattr(self, measure)
             limit = bar.good if limits is None else getattr(limits, measure)
-            if value is not None and not value <= limit:
+            if value is not None and not value <= limit * (1 + ROUNDING):
                 shown, most = told_apart(value * bar.factor, limit * bar.factor, bar.digits)
                 which = {"worst_marker_m": self.worst_marker, "unseen_s": self.unseen_body}.get(measure, "")
                 named = f" ({which.replace('_', ' ')})" if which else ""

@@ -141,6 +141,8 @@ def test_a_lag_of_the_plates_is_found_and_removed() -> None:
 
 def test_a_good_recording_has_nothing_against_it() -> None:
     assert (QUALITY.verdict(RecordingAccuracy()), QUALITY.remarks()) == ("ok", [])
+    reach, work, back = QUALITY.phases
+    assert replace(QUALITY, phases=(reach, replace(work, stretch=0.3 / (1.5 - 1.3)), back)).remarks() == []
 
 
 @pytest.mark.parametrize(
