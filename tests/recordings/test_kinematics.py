@@ -17,7 +17,7 @@ from fatigue_planner.human.joint_data import position_limits
 from fatigue_planner.human.kinematics import poses_of, tree_of
 from fatigue_planner.human.model import Worker
 from fatigue_planner.human.multibody import GRAVITY_MPS2
-from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM
+from fatigue_planner.human.skeleton import BODIES, DEGREES_OF_FREEDOM, SIDES
 from fatigue_planner.reactions.reaction import Reaction
 from fatigue_planner.recordings import dynamics
 from fatigue_planner.recordings.check import read_recording
@@ -368,7 +368,9 @@ def test_real_knees_about_the_axis_of_opensim(
         outside = pin.StdVec_Force([pin.Force.Zero() for _ in range(model.njoints)])
         pin.forwardKinematics(model, data, motion.configuration[n])
         for plate, side in zip(ground, foot[n], strict=True):
-            ankle = model.frames[model.getFrameId(f"{('right', 'left')[side]}_sole")].parentJoint
+            if side < 0:  # nobody stands on it
+                continue
+            ankle = model.frames[model.getFrameId(f"{SIDES[side]}_sole")].parentJoint
             outside[ankle] += data.oMi[ankle].actInv(pin.Force(plate.force_n[n], plate.moment_nm[n]))
         pin.rnea(model, data, motion.configuration[n], motion.velocity[n], motion.acceleration[n], outside)
         for side, knees in found.items():

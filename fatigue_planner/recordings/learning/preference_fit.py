@@ -88,12 +88,7 @@ def fit_preference(
     preference as it is: a search could not tell where to go from there. LostWorkError if one is lost with its worker.
     """
     before, parts = examples[0].request.preference, searches(examples)
-    failed = failures(examples)
-    if len(failed) == len(examples):
-        reasons = "".join(f"\n  {name}: {reason}" for name, reason in failed.items())
-        raise FailedMotionError(
-            f"No motion can be simulated with the preference as it is, where a search begins:{reasons}"
-        )
+    _check_begin(examples)
     found: dict[str, Preference] = {}
     for index, made in executor.run(partial(_searched, evaluations=evaluations), list(parts.values())):
         if isinstance(made, Lost):
@@ -112,15 +107,17 @@ def fit_preference(
     )
 
 
-def failures(examples: Sequence[Example]) -> dict[ReactionName, str]:
-    """Why motions cannot be simulated with the preference as it is."""
-    found = {}
+def _check_begin(examples: Sequence[Example]) -> None:
+    """Raise FailedMotionError, with the reasons, if no motion can be simulated with the preference as it is."""
+    reasons = ""
     for example in examples:
         try:
             simulate(example.request)
         except FailedMotionError as error:
-            found[example.name] = str(error)
-    return found
+            reasons += f"\n  {example.name}: {error}"
+        else:
+            return
+    raise FailedMotionError(f"No motion can be simulated with the preference as it is, where a search begins:{reasons}")
 
 
 def off_deg(preference: Preference, example: Example) -> Array:
