@@ -5,6 +5,7 @@ Every way in which a command can end has its message and its exit code here.
 
 import contextlib
 import errno
+import gc
 import json
 import os
 import shlex
@@ -36,6 +37,7 @@ def run() -> None:
     except Stopped as stopped:
         code = tell_stopped(arguments, stopped)
     _give_up_unwritten()
+    gc.freeze()  # else Python looks through all it holds once more: a quarter of a short command's time
     sys.exit(code)
 
 

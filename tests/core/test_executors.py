@@ -1,7 +1,9 @@
 """Work survives the workers that do it."""
 
+import gc
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from pieces import Interrupt, complain, die, fail, interrupt_after, interruptible, slow_square, square
+from pieces import Interrupt, complain, die, fail, interrupt_after, interruptible, process_id, slow_square, square
 
 from fatigue_planner.core.errors import FailedMotionError, WorkerError
 from fatigue_planner.core.executors.executor import Lost
@@ -115,6 +117,23 @@ def test_a_worker_that_dies_before_its_first_piece_of_work_shows_what_it_said(
 def test_what_workers_say_is_shown_in_the_end(capfd: pytest.CaptureFixture[str]) -> None:
     assert list(LocalProcesses(1).run(complain, ["too hot"])) == [(0, None)]
     assert capfd.readouterr().err == "too hot\n"
+
+
+def test_processes_stay_for_further_work_until_nobody_uses_them(capfd: pytest.CaptureFixture[str]) -> None:
+    """What they say is shown after each work; if one dies meanwhile, others do the next."""
+    executor = LocalProcesses(1)
+    ((_, first),) = executor.run(process_id, [0])
+    for text in ("too hot", "too cold"):
+        list(executor.run(complain, [text]))
+        assert capfd.readouterr().err == f"{text}\n"
+    assert list(executor.run(process_id, [0])) == [(0, first)]
+    os.kill(first, signal.SIGKILL)
+    ((_, second),) = executor.run(process_id, [0])
+    assert second != first
+    del executor
+    gc.collect()
+    with pytest.raises(ProcessLookupError):
+        os.kill(second, 0)
 
 
 @pytest.mark.skipif(

@@ -18,6 +18,10 @@ def square(number: int) -> int:
     return number * number
 
 
+def process_id(_number: int) -> int:
+    return os.getpid()
+
+
 def slow_square(number: int) -> int:
     time.sleep(0.2)
     return number * number

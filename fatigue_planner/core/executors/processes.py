@@ -1,9 +1,12 @@
 """The cores of this machine: one process each."""
 
+import atexit
+import gc
 import os
 import signal
 import sys
 import threading
+import weakref
 from collections.abc import Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -29,7 +32,7 @@ def available_cores() -> int:
 
 
 class LocalProcesses(Executor):
-    """Up to `jobs` processes.
+    """Up to `jobs` processes, which stay for further work as long as this object is in use: a start takes seconds.
 
     One item runs in its own process, too, and linear algebra uses one thread there, so that results do not depend on
     `jobs`.
@@ -37,6 +40,8 @@ class LocalProcesses(Executor):
 
     def __init__(self, jobs: int) -> None:
         self._jobs = jobs
+        self._idle: list[_ProcessPool] = []
+        weakref.finalize(self, _close, self._idle)
 
     @property
     def workers(self) -> int:
@@ -49,12 +54,14 @@ class LocalProcesses(Executor):
         before = os.environ.copy()
         os.environ.update(_ENVIRONMENT)
         try:
-            with TemporaryFile() as said:
-                pool = _ProcessPool(min(self._jobs, most), said)
-                try:
-                    yield pool
-                finally:
-                    pool.close()
+            pool = self._idle.pop() if self._idle else _ProcessPool(self._jobs)
+            try:
+                yield pool
+            except BaseException:
+                pool.close()
+                raise
+            pool.show_said()
+            self._idle.append(pool)
         finally:
             for name in _ENVIRONMENT:
                 os.environ.pop(name)
@@ -65,12 +72,13 @@ class _ProcessPool(Pool):
     deaths_alone = 3
     given_up = f"its worker died {deaths_alone} times while it did nothing else, perhaps for want of memory"
 
-    def __init__(self, processes: int, said: IO[bytes]) -> None:
-        self._processes, self._said = processes, said
+    def __init__(self, processes: int) -> None:
+        self._processes = processes
         self._context = get_context("spawn")
         with _shared_memory():
             self._began = self._context.Event()
         self._executor = self._new_executor()
+        self._said = TemporaryFile()  # noqa: SIM115 - `close` does
 
     @property
     def capacity(self) -> int:
@@ -111,13 +119,19 @@ class _ProcessPool(Pool):
     def close(self) -> None:
         """Drop what has not begun, wait for the rest, end the processes and show what they printed on stderr."""
         self._executor.shutdown(wait=True, cancel_futures=True)
+        self.show_said()
+        self._said.close()
+
+    def show_said(self) -> None:
+        """Show what the processes have printed on stderr since the last time."""
         if said := self._last_words():
             sys.stderr.write(said)
 
     def _last_words(self) -> str:
         self._said.seek(0)
         said = self._said.read().decode(errors="replace")
-        self._said.truncate(0)
+        self._said.seek(0)  # where the processes go on writing, too
+        self._said.truncate()
         return said
 
     def _new_executor(self) -> ProcessPoolExecutor:
@@ -125,9 +139,15 @@ class _ProcessPool(Pool):
             return ProcessPoolExecutor(self._processes, self._context, _begin, (self._began,))
 
 
+def _close(pools: "list[_ProcessPool]") -> None:
+    for pool in pools:
+        pool.close()
+
+
 def _begin(began: Event) -> None:
-    """In a new process: say that it has begun, and do not outlive the parent if that is killed."""
+    """In a new process: say that it has begun, do not outlive the parent if that is killed, and end quickly."""
     began.set()
+    atexit.register(gc.freeze)  # else Python looks through all it holds once more
     threading.Thread(target=_exit_after, args=[parent_process()], daemon=True).start()
 
 
