@@ -38,26 +38,33 @@ GROUP_OF = {ENTRIES[index]: group for group, indices in JOINT_GROUPS.items() for
 ALL = "all"
 
 
+def _indices_by_name() -> dict[str, list[int]]:
+    """The indices of the entries that each name means."""
+    found: dict[str, list[int]] = {}
+    for index, entry in enumerate(ENTRIES):
+        names = (entry, _freedom_of(entry), GROUP_OF[entry])
+        for name in {*names, *map(without_side, names), ALL}:
+            found.setdefault(name, []).append(index)
+    return found
+
+
+_INDICES = _indices_by_name()
+
+
 def entry_indices(name: str, key: str) -> list[int]:
     """The indices of the entries that a name means.
 
     A name is an entry (`lumbar_flexion:negative`), a degree of freedom (both its entries), a group of joints (`back`),
     any of these without its side (both sides), or `all`. Raises DataFileError, naming the key, if it means none.
     """
-    indices = [i for i, entry in enumerate(ENTRIES) if name in _names_of(entry)]
-    if not indices:
+    if name not in _INDICES:
         groups = sorted(set(map(without_side, JOINT_GROUPS)))
         if close := difflib.get_close_matches(name, [*JOINT_GROUPS, *groups], n=1):
             raise DataFileError(
                 f"{key}: unknown joint {name!r}; did you mean {close[0]!r}? Joints: {', '.join(groups)}"
             )
         raise DataFileError(f"{key}: unknown joint {name!r}{known_names(name)}; joints: {', '.join(groups)}")
-    return indices
-
-
-def _names_of(entry: str) -> set[str]:
-    freedom, group = _freedom_of(entry), GROUP_OF[entry]
-    return {entry, freedom, group, *map(without_side, (entry, freedom, group)), ALL}
+    return _INDICES[name].copy()
 
 
 def fatigue_state(levels: dict[str, float]) -> Vector:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from conftest import ROOT
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
@@ -16,7 +17,7 @@ from mutations import damaged
 from pace import within
 
 from fatigue_planner.core.errors import FatplanError
-from fatigue_planner.core.yaml_reader import read_yaml
+from fatigue_planner.core.yaml_reader import _READ_DIFFERENTLY, _FastLoader, _Loader, read_yaml
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.study.claims.loader import load_claims
 from fatigue_planner.study.sensitivity.study import load_study
@@ -172,3 +173,60 @@ def test_damaged_files_are_read_or_refused(change: str, files: range, tmp_path: 
         examples = settings(max_examples=min(len(files), EXAMPLES_OF_A_RUN), derandomize=False, phases=phases)
         seed(number)(examples(given(st.data())(read_or_refuse)))()
     assert min(ends["read"], ends["refused"]) >= sum(ends.values()) / 50, ends
+
+
+# Most of YAML's grammar on few lines, so that damages meet it.
+GRAMMAR = """a: [1, 2, {b: c, 'd': "e"}]
+f: |
+  x
+  y
+g: >-
+  z
+
+  w
+h: &q {i: 1.0, j: ~}
+k: *q
+l:
+  - m
+  - n: o # c
+    p: q
+  - - r
+    - true
+'s t': "u\\tv"
+w: x y
+  z
+<<: {1a: \u00e4}
+"""
+
+
+@st.composite
+def rewritten(draw: st.DrawFn) -> str:
+    """GRAMMAR with a piece left out, put in or repeated, at one or two places."""
+    text = GRAMMAR
+    for _ in range(draw(st.sampled_from([1, 1, 2]))):
+        start, end = draw(st.integers(0, len(text))), draw(st.sampled_from([0, 0, 0, 1, 2, 5, 30]))
+        piece = st.sampled_from(
+            [*" \n:-,[]{}#&*!|>'\"%@`~=\\\r0a.<", "", ": ", "- ", "? ", "  ", "\n\n", text[start:][:9]]
+        )
+        text = text[:start] + draw(piece | st.text(max_size=2)) + text[start + end :]
+    return text
+
+
+@pytest.mark.parametrize("files", [range(1), pytest.param(range(1, 5), marks=pytest.mark.slow)], ids=str)
+def test_libyaml_reads_nothing_else_than_the_parser_that_decides(files: range) -> None:
+    accepted = 0
+
+    def compare(text: str) -> None:
+        nonlocal accepted
+        if not _READ_DIFFERENTLY.isdisjoint(text):
+            return
+        try:
+            found = yaml.load(text, Loader=_FastLoader)
+        except (yaml.YAMLError, ValueError, OverflowError):
+            return
+        accepted += 1
+        assert repr(found) == repr(yaml.load(text, Loader=_Loader)), text
+
+    for number in files:
+        seed(number)(settings(max_examples=EXAMPLES_OF_A_RUN, derandomize=False)(given(rewritten())(compare)))()
+    assert accepted > len(files) * EXAMPLES_OF_A_RUN / 10

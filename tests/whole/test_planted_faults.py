@@ -16,11 +16,12 @@ from typing import NamedTuple
 
 import pytest
 from conftest import KEPT_REACTIONS, ROOT
+from numba.core.caching import UserProvidedCacheLocator
 from planted_faults import FAULTS, Fault
 from planting import run_pytest
 from test_layers import PACKAGE, dotted, imports
 
-from fatigue_planner.core.jit import PRIVATE_FOLDER
+from fatigue_planner.core.jit import PRIVATE_FOLDER, cache_folder
 
 PARTS = (
     "fatigue_planner", "tests", "experiments", "examples", "docs", "perf", "pyproject.toml", "README.md", "LICENSE",
@@ -49,8 +50,25 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
             shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy(source, folder / part)
+    take_over_kernels(folder)
     yield folder
     shutil.rmtree(folder)
+
+
+def take_over_kernels(folder: Path) -> None:
+    """Give a copy what is compiled of the sources: numba looks for it by the folder they are in, and by their times."""
+    sources = {path.parent for path in PACKAGE.rglob("*.py")}
+    name_there = {kept_as(source): kept_as(folder / source.relative_to(ROOT)) for source in sources}
+    for path in cache_folder().rglob("*.nb?"):
+        if name := name_there.get(path.parent.name):
+            there = folder / "kernels" / path.parent.parent.relative_to(cache_folder()) / name
+            there.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, there)
+
+
+def kept_as(source: Path) -> str:
+    """The name of the folder in which numba keeps what is compiled of the files in a folder."""
+    return UserProvidedCacheLocator.get_suitable_cache_subpath(str(source / "any.py"))
 
 
 def importing(file: str) -> set[str]:

@@ -29,7 +29,7 @@ from fatigue_planner.experiment import build
 from fatigue_planner.experiment.build import cycle_profiles, reaction_requests
 from fatigue_planner.experiment.loader import load_experiment
 from fatigue_planner.experiment.schema import Experiment
-from fatigue_planner.fatigue.model import CycleProfile
+from fatigue_planner.fatigue.model import CycleProfile, TickProfile
 from fatigue_planner.motion.simulator import simulate
 from fatigue_planner.reactions import key as reaction_key
 from fatigue_planner.reactions.reaction import Reaction, ReactionName, ReactionRequest
@@ -70,13 +70,20 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
     """The keys of an experiment's content, were its motions still the same; what equals is computed once."""
     known: dict[str, dict[ReactionName, CycleProfile]] = {}
     poses: dict[tuple[str, bytes, bytes, bytes], PoseReach] = {}
-    reach = Cell.reach
+    maps: dict[tuple[int | bytes, ...], tuple[CycleProfile, tuple[NDArray[np.float64], NDArray[np.float64]]]] = {}
+    reach, cycle_maps = Cell.reach, TickProfile.maps
 
     def reach_once(cell: Cell, target: NDArray[np.float64], worker: tuple[NDArray[np.float64], ...]) -> PoseReach:
         key = (cell.settings.model_dump_json(), target.tobytes(), worker[0].tobytes(), worker[1].tobytes())
         if key not in poses:
             poses[key] = reach(cell, target, (worker[0], worker[1]))
         return poses[key]
+
+    def maps_once(profile: TickProfile, *rates: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        key = (id(profile), *(np.asarray(factor).tobytes() for factor in rates))
+        if key not in maps:
+            maps[key] = (profile, cycle_maps(profile, *rates))  # with the profile, whose number no other gets so
+        return maps[key][1]
 
     def keys(content: Content) -> Keys:
         experiment = parsed(content)
@@ -104,6 +111,7 @@ def keys_of(moved: tuple[Reaction, ...]) -> Iterator[Callable[[Content], Keys]]:
         load_plugin(ROOT / "tests" / "support" / "agents.py")
         patch.setattr(build, "maximum_torque", cache(build.maximum_torque))
         patch.setattr(Cell, "reach", reach_once)
+        patch.setattr(TickProfile, "maps", maps_once)
         yield keys
 
 
