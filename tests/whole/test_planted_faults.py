@@ -28,7 +28,10 @@ PARTS = (
 )  # fmt: skip
 MAX_SECONDS = 600
 # Processes that run tests begin as copies of one that has imported these: nothing of the project.
-LIBRARIES = ["pytest", "numba", "pandas", "scipy.stats", "scipy.optimize", "pinocchio", "casadi", "h5py", "typer"]
+LIBRARIES = [
+    "pytest", "pydantic", "cloudpickle", "numba", "pandas", "scipy.stats", "scipy.optimize", "pinocchio", "casadi",
+    "h5py", "typer",
+]  # fmt: skip
 # How a message begins where a test found another result than it expects; anything else is a broken program.
 FOUND = re.compile(r"assert |AssertionError|Failed: DID NOT RAISE")
 

@@ -94,17 +94,18 @@ def test_23_the_search_dies_hangs_and_answers_late(  # noqa: PLR0915
         assert session._table.wait(30)
         before = {seen: entry.choice for seen, entry in session._table._ready.items()}
         stale = session._searcher.stale
-        improved = threading.Event()
-        found = session._table.improve
+        answered, taken = threading.Event(), list[bool]()
+        improve = session._table.improve
 
-        def improve(task: searcher.Task, choice: Any) -> bool:
-            taken = found(task, choice)
-            improved.set()
-            return taken
+        def noted(task: searcher.Task, choice: Any) -> bool:
+            taken.append(improve(task, choice))
+            answered.set()
+            return taken[-1]
 
-        monkeypatch.setattr(session._table, "improve", improve)
+        monkeypatch.setattr(session._table, "improve", noted)
         os.kill(process.pid, signal.SIGCONT)
-        assert improved.wait(PATIENCE_S)
+        assert answered.wait(PATIENCE_S)
+        assert not taken[0]
         until(lambda: session._searcher.stale == stale + 1)
         assert not any(choice.searched for choice in before.values())
         fallbacks = session.counts.fallback
